@@ -79,6 +79,15 @@ HANDLES = [
         'void g() { ros::NodeHandle h("~"); f(h); f(ros::NodeHandle("arm")); }',
         ["arm/t", "~/t"],
     ),
+    # One that is made of itself, and two that are made of each other.
+    ('void f(N h) { ros::NodeHandle g("~"); g = ros::NodeHandle(g, "a"); g.advertise<A>("t", 1); }',
+     ["~/t"]),
+    (
+        'struct P { void f() { g_ = ros::NodeHandle(h_, "a"); h_ = ros::NodeHandle(g_, "b");\n'
+        '  h_ = ros::NodeHandle("c"); g_.advertise<A>("t", 1); }\n'
+        "  ros::NodeHandle g_; ros::NodeHandle h_; };",
+        ["c/a/t", "c/a/b/a/t", "c/a/b/a/b/a/t", "c/a/b/a/b/a/b/a/t"],
+    ),
     (
         'void f() { ros::NodeHandle h("~"); image_transport::ImageTransport it(h);\n'
         '  it.advertise("t", 1); }',

@@ -4,18 +4,15 @@ A handle puts a prefix before names: `~` if it is private to the node, else a na
 Handles are followed from their constructors through variables, members and arguments of functions.
 """
 
-from collections.abc import Callable, Collection, Iterator, Sequence, Set
+from collections.abc import Collection, Iterator, Sequence, Set
+from functools import cache
+from itertools import islice
 from typing import NamedTuple
 
-from mars_asp.annotations.declarations.tokens import (
-    SourceToken,
-    angle,
-    is_word,
-    split,
-    text_at,
-)
+from mars_asp.annotations.declarations.tokens import after_angle, before, is_word, text_at
 from mars_asp.exchange.ros2.cpp_code import CppBody
 from mars_asp.exchange.ros2.cpp_scopes import ScopedCode
+from mars_asp.exchange.ros2.cpp_texts import CppTexts, CppVariable
 
 #: Functions of nodelets that return handles, and the prefixes of these.
 _GETTERS = {
@@ -50,78 +47,62 @@ _BETWEEN = frozenset({">", "&", "*", "&&", "const"})
 #: What is after the name of an object that is declared, or at the end of the file.
 _AFTER_OBJECT = frozenset({";", "(", "{", ")", "=", ""})
 _MOST_WORDS = 50
-_MOST_ROUNDS = 20
 _MOST_PREFIXES = 4
-_MOST_OVERLOADS = 16
-
-#: A variable: the class or function that it belongs to, and its name.
-_Key = tuple[str, str]
-#: The text of an expression, or None if it is unknown.
-Evaluate = Callable[[ScopedCode, Sequence[SourceToken]], str | None]
+_MOST_FOLLOWED = 200
 
 
 class _Source(NamedTuple):
-    """A possible prefix of a handle: that of the variable `key` (or none), then `suffix`."""
+    """A handle: the one that the token `at` of a file names, if any, with `suffix` added."""
 
-    key: _Key | None
+    file: ScopedCode
+    at: int | None
     suffix: str | None
-
-
-class _Function(NamedTuple):
-    """A function with handles as parameters: its identifier, and the names of its handles."""
-
-    scope: str
-    handles: tuple[str | None, ...]
 
 
 class Handles:
     """The variables of a program that are node handles, with their possible prefixes."""
 
-    def __init__(self, files: Sequence[ScopedCode], evaluate: Evaluate) -> None:
-        """Follow the handles of all files; `evaluate` gives the text of an expression."""
-        self._evaluate = evaluate
-        self._prefixes: dict[_Key, list[str | None]] = {}
-        self._locals: dict[str, set[str]] = {}
-        self._members: dict[str, set[str]] = {}
-        self._names: set[str] = set()
-        self._edges: dict[_Key, list[tuple[_Key, str | None]]] = {}
+    def __init__(self, files: Sequence[ScopedCode], texts: CppTexts) -> None:
+        """Take all files of a program, and the texts of its expressions."""
+        self._files, self._texts = files, texts
+        self._calls_of = cache(_calls_of)
         words = "NodeHandle", _SUB_NODE
-        used = [file for file in files if any(word in file.text for word in words)]
-        self.is_empty = not used
-        if self.is_empty:
-            return
-        every = list(files)
-        has_sub_nodes = any(_SUB_NODE in file.text for file in used)
-        for file in every:
-            self._declared(file, has_sub_nodes)
-        functions = self._functions(every)
-        for file in every:
-            self._assigned(file)
-            self._passed(file, functions)
-        self._settle(
-            {
-                (function.scope, name)
-                for same in functions.values()
-                for function in same
-                for name in function.handles
-                if name is not None
-            }
-        )
+        self.is_empty = not any(word in file.text for file in files for word in words)
+        has_sub_nodes = any(_SUB_NODE in file.text for file in files)
+        classes = _CLASSES | (_NODES if has_sub_nodes else frozenset())
+        self._names: set[str] = set()
+        for file in () if self.is_empty else files:
+            self._names.update(_names_of_handles(file, classes))
 
     def prefixes(self, file: ScopedCode, begin: int, end: int) -> Sequence[str | None]:
         """Return the possible prefixes of the handle in a range of tokens; None is unknown."""
         if self.is_empty:
             return ("",)
-        found: list[str | None] = []
-        for source in self._handle_sources(file, begin, end):
-            if source.key is None:
-                found.append(source.suffix)
-            else:
-                found += (
-                    prefixed_name(prefix, source.suffix)
-                    for prefix in self._prefixes.get(source.key, ())
+        found: dict[str | None, None] = {}
+        waiting = list(self._handle_sources(file, begin, end))
+        direct, seen = len(waiting), set[tuple[CppVariable, str]]()
+        for number, (place, at, suffix) in islice(enumerate(waiting), _MOST_FOLLOWED):
+            variables = [] if at is None else self._texts.variables_at(place, at)
+            if at is None or suffix is None:
+                found[suffix] = None
+            elif len(variables) == 1 and (variables[0], suffix) not in seen:
+                seen.add((variables[0], suffix))
+                body = place.parameter_of(variables[0].scope)
+                sources = list(self._values_of(place, variables[0], body))
+                if not sources:
+                    # A parameter has one by a call that is not read, but mostly a public one.
+                    is_public = body is None or number < direct
+                    found[suffix if is_public else None] = None
+                waiting += (
+                    source._replace(suffix=prefixed_name(source.suffix, suffix))
+                    for source in sources
+                    # One that is made of itself has the prefix of its other values.
+                    if source.at is None
+                    or self._texts.variables_at(source.file, source.at) != variables
                 )
-        return list(dict.fromkeys(found)) or ("",)
+            if len(found) == _MOST_PREFIXES:
+                break
+        return list(found) or ("",)
 
     def leave_topics_unread(self, files: Sequence[ScopedCode], called: Collection[str]) -> bool:
         """Whether the program may have topics that were not read.
@@ -166,125 +147,30 @@ class Handles:
             ):
                 yield opening
 
-    # ---- Names
-
-    def _variable(self, file: ScopedCode, at: int, name: str) -> _Key:
-        """Return the variable that `name` means at a token: a local one, else a member."""
-        around = list(file.bodies_at(at))
-        for body in around:
-            scope = _scope_of(file, body)
-            if name in self._locals.get(scope, ()):
-                return scope, name
-        classes = self._members.get(name, set())
-        # Macros look like functions, so the outermost decides.
-        owner = file.class_of(around[-1]) if around else file.class_at(at)
-        if owner in classes:
-            return owner, name
-        return min(classes) if len(classes) == 1 else "", name
-
-    def _declared(self, file: ScopedCode, has_sub_nodes: bool) -> None:
-        """Collect the variables and members of a file that are handles."""
-        tokens = file.tokens
-        classes = _CLASSES | (_NODES if has_sub_nodes else frozenset())
-        for at in file.places_of(classes | _GETTERS.keys() | {_SUB_NODE}):
-            if tokens[at].text in classes:
-                after = at + 1
-                if text_at(tokens, after) == "::" and text_at(tokens, after + 1).endswith("Ptr"):
-                    after += 2
-                while text_at(tokens, after) in _BETWEEN:
-                    after += 1
-                name = text_at(tokens, after)
-                if is_word(name):
-                    self._declare(file, after, name)
-            else:
-                back = at - 1
-                while back > at - 10 and text_at(tokens, back) not in ("=", ";", "{", "}", "("):
-                    back -= 1
-                name = text_at(tokens, back - 1)
-                if text_at(tokens, back) == "=" and is_word(name):
-                    if text_at(tokens, back - 2) in ("auto", "&", "*"):
-                        self._declare(file, back - 1, name)
-                    else:
-                        self._names.add(name)
-
-    def _declare(self, file: ScopedCode, at: int, name: str) -> None:
-        self._names.add(name)
-        body = next(file.bodies_at(at), None)
-        if body is None:
-            self._members.setdefault(name, set()).add(file.class_at(at))
-        else:
-            self._locals.setdefault(_scope_of(file, body), set()).add(name)
-
-    def _functions(self, files: Sequence[ScopedCode]) -> dict[str, list[_Function]]:
-        """Return the functions with handles as parameters, by name."""
-        found: dict[str, list[_Function]] = {}
-        for file in files:
-            for body in file.bodies:
-                scope = _scope_of(file, body)
-                own = self._locals.get(scope, set())
-                names = [_name_of(group) for group in split(body.parameters)]
-                handles = tuple(name if name in own else None for name in names)
-                if any(handles):
-                    found.setdefault(body.name, []).append(_Function(scope, handles))
-        return found
-
     # ---- Values
 
-    def _assigned(self, file: ScopedCode) -> None:
-        """Collect the values of handles in declarations, assignments and initialisers."""
-        tokens = file.tokens
-        for at in file.places_of(self._names):
-            sign = text_at(tokens, at + 1)
-            begin = at + 2
-            if sign == "=" and text_at(tokens, at + 2) != "=":
-                end = _end_of(file, begin)
-            elif sign in ("(", "{"):
-                end = min(file.closed[at + 1] - 1, at + _MOST_WORDS)
-                if _is_defined(file, at + 1):
-                    continue
-            elif sign in (".", "->") and text_at(tokens, at + 2) == "reset":
-                begin, end = at + 4, min(file.closed.get(at + 3, at + 4) - 1, at + _MOST_WORDS)
-            else:
+    def _values_of(
+        self, file: ScopedCode, variable: CppVariable, body: CppBody | None
+    ) -> Iterator[_Source]:
+        """Yield the handles that a variable gets, of a parameter of a function in its calls."""
+        for place, value in self._texts.places_of(file, variable):
+            before = text_at(place.tokens, value.begin - 2), text_at(place.tokens, value.begin - 1)
+            if value.function == variable.name:
+                yield _Source(place, None, "")
+            if value.begin == value.end or _is_defined(place, value.begin - 1):
                 continue
-            is_init = sign in ("(", "{")
-            key = self._variable(file, at, tokens[at].text)
-            sources = (
-                self._made(file, begin, end) if is_init else self._handle_sources(file, begin, end)
-            )
-            for source in sources:
-                self._flow(source, key)
-
-    def _passed(self, file: ScopedCode, functions: dict[str, list[_Function]]) -> None:
-        """Collect the handles that are passed to parameters of functions and constructors."""
-        if file.token_texts.isdisjoint(functions):
-            return
-        tokens = file.tokens
-        objects: dict[str, str] = {}
-        for at, token in enumerate(tokens):
-            after = at + 1
-            name = objects.get(token.text, token.text)
-            if name not in functions or text_at(tokens, at - 1) in ("class", "struct"):
-                continue
-            if text_at(tokens, after) == "<":
-                after = angle(tokens, after) or after
-            while text_at(tokens, after) in (">", "&", "*"):
-                after += 1
-            if is_word(text_at(tokens, after)) and token.text == name:
-                # `Class object(handle)`, or a member that a constructor initialises.
-                objects[text_at(tokens, after)] = name
-                after += 1
-            if text_at(tokens, after) not in ("(", "{"):
-                continue
-            if _is_defined(file, after):
-                continue
-            arguments = list(_arguments(file, after))
-            for function in functions[name][:_MOST_OVERLOADS]:
-                if len(arguments) > len(function.handles):
-                    continue
-                for (begin, end), parameter in zip(arguments, function.handles, strict=False):
-                    if parameter is not None:
-                        for source in self._handle_sources(file, begin, end):
-                            self._flow(source, (function.scope, parameter))
+            is_made = before[1] in ("(", "{") and before[0] != "reset"
+            read = self._made if is_made else self._handle_sources
+            yield from read(place, value.begin, value.end)
+        parameters = [] if body is None else [*_arguments(file, body.opening)]
+        names = [_name_of(file, *group) for group in parameters]
+        if body is not None and variable.name in names:
+            number = names.index(variable.name)
+            for place in self._files:
+                for opening in self._calls_of(place, body.name):
+                    arguments = list(_arguments(place, opening))
+                    if number < len(arguments) <= len(names):
+                        yield from self._handle_sources(place, *arguments[number])
 
     def _handle_sources(self, file: ScopedCode, begin: int, end: int) -> Iterator[_Source]:
         """Yield the possible prefixes of the handle that an expression in a range returns."""
@@ -295,12 +181,11 @@ class Handles:
         if _SUB_NODE in words:
             at = begin + words.index(_SUB_NODE)
             opening = at + 1
-            parents = list(self._handle_sources(file, begin, at - 1)) or [_Source(None, "")]
+            parents = list(self._handle_sources(file, begin, at - 1)) or [_Source(file, None, "")]
             suffix = None
             for first, last in list(_arguments(file, opening))[:1]:
-                suffix = self._evaluate(file, tokens[first:last])
-            for parent in parents:
-                yield _Source(parent.key, prefixed_name(parent.suffix, suffix))
+                suffix = self._literal(file, first, last)
+            yield from (p._replace(suffix=prefixed_name(p.suffix, suffix)) for p in parents)
         elif made is not None:
             opening = begin + made + 1
             while opening < end and text_at(tokens, opening) not in ("(", "{"):
@@ -308,68 +193,83 @@ class Handles:
             if opening < end:
                 yield from self._made(file, opening + 1, file.closed[opening] - 1)
         elif getter is not None:
-            yield _Source(None, _GETTERS[getter])
+            yield _Source(file, None, _GETTERS[getter])
         else:
-            if words[-2:] == ["(", ")"]:
-                words = words[:-2]
-            names = [word for word in words if is_word(word)]
-            if names and names[-1] in self._names:
-                yield _Source(self._variable(file, begin, names[-1]), "")
+            named = [begin + number for number, word in enumerate(words) if is_word(word)]
+            if named and tokens[named[-1]].text in self._names:
+                yield _Source(file, named[-1], "")
 
     def _made(self, file: ScopedCode, begin: int, end: int) -> Iterator[_Source]:
-        """Yield the possible prefixes of a handle constructed from the arguments in a range."""
-        tokens = file.tokens
+        """Yield the handles that a constructor makes from its arguments, which are given."""
         groups = list(_arguments(file, begin - 1)) if begin < end else []
         if not groups:
-            yield _Source(None, "")
+            yield _Source(file, None, "")
             return
         parents = list(self._handle_sources(file, *groups[0]))
-        first = None if parents else self._evaluate(file, tokens[slice(*groups[0])])
+        first = None if parents else self._literal(file, *groups[0])
         if first is not None:
-            yield _Source(None, first)
+            yield _Source(file, None, first)
             return
         if not parents:
-            yield _Source(None, None)
-        suffix: str | None = ""
-        if len(groups) > 1:
-            suffix = self._evaluate(file, tokens[slice(*groups[1])])
-        for parent in parents:
-            yield _Source(parent.key, prefixed_name(parent.suffix, suffix))
+            yield _Source(file, None, None)
+        suffix = self._literal(file, *groups[1]) if len(groups) > 1 else ""
+        yield from (p._replace(suffix=prefixed_name(p.suffix, suffix)) for p in parents)
 
-    def _flow(self, source: _Source, key: _Key) -> None:
-        if source.key is None:
-            self._add(key, source.suffix)
-        elif source.key != key:
-            self._edges.setdefault(source.key, []).append((key, source.suffix))
+    def _literal(self, file: ScopedCode, begin: int, end: int) -> str | None:
+        """Return the text of an expression that reads no parameter, or None for others."""
+        found = self._texts.text_of(file, file.tokens[begin:end])
+        return found.text if found.parameter is None else None
 
-    def _add(self, key: _Key, prefix: str | None) -> bool:
-        known = self._prefixes.setdefault(key, [])
-        if prefix in known or len(known) >= _MOST_PREFIXES:
-            return False
-        known.append(prefix)
-        return True
 
-    def _settle(self, parameters: Collection[_Key]) -> None:
-        """Propagate prefixes between variables; a handle without any value has no prefix.
+def _names_of_handles(file: ScopedCode, classes: Set[str]) -> Iterator[str]:
+    """Yield the names that are declared with a class of handles, or get what a function returns."""
+    tokens = file.tokens
+    for at in file.places_of(classes | _GETTERS.keys() | {_SUB_NODE}):
+        if tokens[at].text in classes:
+            after = at + 1
+            if text_at(tokens, after) == "::" and text_at(tokens, after + 1).endswith("Ptr"):
+                after += 2
+            while text_at(tokens, after) in _BETWEEN:
+                after += 1
+            if is_word(text_at(tokens, after)):
+                yield text_at(tokens, after)
+        else:
+            back = at - 1
+            while back > at - 10 and text_at(tokens, back) not in ("=", ";", "{", "}", "("):
+                back -= 1
+            if text_at(tokens, back) == "=" and is_word(text_at(tokens, back - 1)):
+                yield text_at(tokens, back - 1)
 
-        A parameter without any value is unknown, as its call was not read.
-        """
-        self._spread()
-        targets = {target for edges in self._edges.values() for target, _ in edges}
-        for key in self._edges:
-            if key not in targets and not self._prefixes.get(key):
-                self._add(key, None if key in parameters else "")
-        self._spread()
 
-    def _spread(self) -> None:
-        for _ in range(_MOST_ROUNDS):
-            added = False
-            for key, edges in self._edges.items():
-                for prefix in tuple(self._prefixes.get(key, ())):
-                    for target, suffix in edges:
-                        added |= self._add(target, prefixed_name(prefix, suffix))
-            if not added:
-                return
+def _calls_of(file: ScopedCode, name: str) -> Sequence[int]:
+    """Return the brackets of the calls of a function, or of the constructor of a class.
+
+    Those are after `Class object` and after the object as a member that is initialised as well.
+    """
+    objects: set[str] = set()
+    found: set[int] = set()
+    for at in file.token_places(name):
+        after = _after_type(file, at)
+        if is_word(text_at(file.tokens, after)):
+            objects.add(text_at(file.tokens, after))
+            after += 1
+        if text_at(file.tokens, at - 1) not in ("class", "struct"):
+            found.add(after)
+    found.update(_after_type(file, at) for at in file.token_places(*objects))
+    is_opening = (text_at(file.tokens, each) in ("(", "{") for each in sorted(found))
+    return [
+        each
+        for each, opens in zip(sorted(found), is_opening, strict=True)
+        if opens and not _is_defined(file, each)
+    ]
+
+
+def _after_type(file: ScopedCode, at: int) -> int:
+    """Return the index after the name of a type, its arguments and its signs."""
+    after = after_angle(file.tokens, at + 1) if text_at(file.tokens, at + 1) == "<" else at + 1
+    while text_at(file.tokens, after) in (">", "&", "*"):
+        after += 1
+    return after
 
 
 def prefixed_name(prefix: str | None, name: str | None) -> str | None:
@@ -381,14 +281,9 @@ def prefixed_name(prefix: str | None, name: str | None) -> str | None:
     return f"{prefix}/{name}" if name else prefix
 
 
-def _scope_of(file: ScopedCode, body: CppBody) -> str:
-    return f"{file.source.path}:{body.opening}"
-
-
 def _is_defined(file: ScopedCode, opening: int) -> bool:
-    """Whether a bracket opens the parameters of a function definition."""
-    body = next(file.bodies_at(opening + 1), None)
-    return body is not None and body.opening == opening
+    """Whether a bracket is that of a class, or of the parameters of a function, defined there."""
+    return file.parameter_of(opening) is not None or opening in file.owner_brackets
 
 
 def _calls_with_nodes(file: ScopedCode) -> Iterator[int]:
@@ -429,20 +324,10 @@ def _objects_of_classes(file: ScopedCode, classes: Set[str]) -> Iterator[str]:
             yield tokens[end - 1].text
 
 
-def _name_of(parameter: Sequence[SourceToken]) -> str | None:
-    """Return the name in the declaration of a parameter, or None without a name."""
-    words = [token.text for token in parameter]
-    if "=" in words:
-        words = words[: words.index("=")]
+def _name_of(file: ScopedCode, begin: int, end: int) -> str | None:
+    """Return the name of a parameter, which is before its default."""
+    words = [token.text for token in before(file.tokens[begin:end], "=")]
     return words[-1] if len(words) > 1 and is_word(words[-1]) else None
-
-
-def _end_of(file: ScopedCode, at: int) -> int:
-    """Return the index after an expression: of the comma or closing bracket that ends it."""
-    last = min(len(file.tokens), at + _MOST_WORDS)
-    while at < last and text_at(file.tokens, at) not in (";", ",", ")", "}"):
-        at = file.closed.get(at, at + 1)
-    return min(at, last)
 
 
 def _arguments(file: ScopedCode, opening: int) -> Iterator[tuple[int, int]]:

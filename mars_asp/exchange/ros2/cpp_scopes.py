@@ -42,8 +42,9 @@ _STARTS = frozenset({";", "{", "}", "(", ",", ":", "#", ""})
 class Assigned(NamedTuple):
     """A value that a name gets: an expression by its range, which is empty if unknown.
 
-    `is_first` is whether the variable is initialised with it. With a `parameter` the value is that
-    of the ROS parameter; with a `function` the variable is passed to it, which may write to it.
+    `is_first` is whether the variable has it before any statement that assigns another. If there is
+    a `parameter`, its value is written to the variable; a `function` may write any. Of an object
+    that is made without arguments, `function` is its own name.
     """
 
     at: int
@@ -81,7 +82,7 @@ class ScopedCode(CppCode):
         for opening in islice(self._brackets.around(at), _DEEPEST_SCOPE):
             if named.scopes.get(opening, at + 1) <= at:
                 return opening
-            if self._owner_brackets.get(opening) in named.owners:
+            if self.owner_brackets.get(opening) in named.owners:
                 break
         return -1
 
@@ -129,9 +130,9 @@ class ScopedCode(CppCode):
     def owners_at(self, at: int) -> Iterator[str]:
         """Yield the classes and namespaces around a token, the innermost first."""
         return (
-            self._owner_brackets[each]
+            self.owner_brackets[each]
             for each in islice(self._brackets.around(at), _DEEPEST_SCOPE)
-            if each in self._owner_brackets
+            if each in self.owner_brackets
         )
 
     def is_typed(self, at: int) -> bool:
@@ -164,8 +165,8 @@ class ScopedCode(CppCode):
         return {body.opening: body for body in self.bodies}
 
     @cached_property
-    def _owner_brackets(self) -> Mapping[int, str]:
-        """The names of classes and namespaces, by the index of their opening brackets."""
+    def owner_brackets(self) -> Mapping[int, str]:
+        """The classes and namespaces that have names, by their brackets."""
         found = {head.opening: head.name for head in self.class_heads}
         for at in self.token_places("namespace"):
             end = at + 1
@@ -213,7 +214,7 @@ class ScopedCode(CppCode):
         return next(self._brackets.around(at), -1)
 
     def _is_local(self, opening: int) -> bool:
-        return opening >= 0 and opening not in self._owner_brackets
+        return opening >= 0 and opening not in self.owner_brackets
 
     def _end_of_statement(self, at: int) -> int:
         """Return the index after a statement and the branches of `else` after it."""
@@ -351,10 +352,13 @@ class ScopedCode(CppCode):
             return Assigned(at, after_name + 1, end, is_declared or before == "::")
         is_made = is_declared or self._is_initialised(at)
         if is_made and sign in ("(", "{"):
-            end = self.closed[after_name] - 1
-            if end > after_name + 1:
-                is_short = end - after_name <= _MOST_WORDS
-                return Assigned(at, after_name + 1, end if is_short else after_name + 1, True)
+            begin, end = after_name + 1, self.closed[after_name] - 1
+            if end <= begin:
+                return Assigned(at, begin, begin, True, function=tokens[at].text)
+            return Assigned(at, begin, end if end < begin + _MOST_WORDS else begin, True)
+        if sign in (".", "->") and after == "reset":
+            end = self.closed.get(after_name + 2, 0) - 1
+            return Assigned(at, after_name + 3, end, False) if end > after_name + 3 else None
         is_changed = sign == "." and after in _CHANGING
         is_streamed = before == ">" and text_at(tokens, at - 2) == ">" and not is_declared
         is_given = before == "&" and text_at(tokens, at - 2) in ("(", ",") and not is_declared

@@ -45,7 +45,7 @@ class CppText(NamedTuple):
 _UNKNOWN = CppText(None)
 
 
-class _Variable(NamedTuple):
+class CppVariable(NamedTuple):
     """A variable by its file and scope if it is local, else by its class or namespace."""
 
     owner: str
@@ -63,11 +63,11 @@ class CppTexts:
     def __init__(self, files: Sequence[ScopedCode]) -> None:
         """Take all files of the program."""
         self._files = files
-        self._values: dict[tuple[_Variable, str], CppText] = {}
+        self._values: dict[tuple[CppVariable, str], CppText] = {}
         self._defaults: dict[str, str | None] = {}
         self._shared_values = cache(self._find_shared)
         self._declaring = cache(self._find_declaring)
-        self._open: set[tuple[_Variable, str]] = set()
+        self._open: set[tuple[CppVariable, str]] = set()
         #: The parameter whose default is evaluated.
         self._reading = ""
 
@@ -148,16 +148,10 @@ class CppTexts:
 
     def _value_of_variable(self, file: ScopedCode, at: int) -> CppText:
         """Return the value of the variable that a token names."""
-        name = file.tokens[at].text
-        named = file.declarations_of(name)
-        scope = file.scope_at(at, named)
-        if scope >= 0:
-            variable = _Variable(file.source.path, scope, name)
-        else:
-            owners = self._owners_of(file, at, name)
-            if len(owners) != 1:
-                return _UNKNOWN
-            variable = _Variable(next(iter(owners)), -1, name)
+        variables = self.variables_at(file, at)
+        if len(variables) != 1:
+            return _UNKNOWN
+        [variable] = variables
         key = variable, self._reading
         if key not in self._values:
             is_deep = len(self._open) > _DEEPEST or len(self._values) > _MOST_KEPT
@@ -168,8 +162,23 @@ class CppTexts:
             self._open.discard(key)
         return self._values[key]
 
+    def variables_at(self, file: ScopedCode, at: int) -> Sequence[CppVariable]:
+        """Return the variables that a token may name: a local one, or those of several owners."""
+        name = file.tokens[at].text
+        scope = file.scope_at(at, file.declarations_of(name))
+        if scope >= 0:
+            return [CppVariable(file.source.path, scope, name)]
+        return [CppVariable(owner, -1, name) for owner in self._owners_of(file, at, name)]
+
+    def places_of(self, file: ScopedCode, variable: CppVariable) -> Sequence[_Place]:
+        """Return the values that a variable gets in statements; `file` is that of a local one."""
+        if variable.scope < 0:
+            return self._shared_values(variable.name).get(variable.owner, [])
+        values = file.declarations_of(variable.name).values
+        return [(file, each) for each in values.get(variable.scope, ())]
+
     def _values_in_scope(
-        self, file: ScopedCode, variable: _Variable
+        self, file: ScopedCode, variable: CppVariable
     ) -> Iterator[tuple[CppText, bool]]:
         """Yield each value of a variable, with whether the variable is initialised with it."""
         if variable.scope >= 0:
@@ -177,9 +186,7 @@ class CppTexts:
             body = file.parameter_of(variable.scope)
             if body is not None and named.scopes[variable.scope] < file.closed[variable.scope]:
                 yield from self._values_passed(file, body, variable.name)
-            places = [(file, each) for each in named.values.get(variable.scope, ())]
-        else:
-            places = self._shared_values(variable.name).get(variable.owner, [])
+        places = self.places_of(file, variable)
         if len(places) > _MOST_VALUES:
             yield _UNKNOWN, False
             return

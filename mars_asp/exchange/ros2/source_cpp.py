@@ -111,13 +111,8 @@ def read_cpp(
     kinds: dict[str, str] = {}
     for file in files:
         kinds |= file.callbacks
-
-    def literal(file: ScopedCode, tokens: Sequence[SourceToken]) -> str | None:
-        found = texts.text_of(file, tokens)
-        return found.text if found.parameter is None else None
-
     aliases = agreed(alias for file in files for alias in file.type_aliases)
-    handles = Handles(files, literal)
+    handles = Handles(files, texts)
     used_if = cache(lambda keeper: _used_if(files, keeper, texts))
     published: list[InterfaceTopic] = []
     subscribed: list[InterfaceTopic] = []
