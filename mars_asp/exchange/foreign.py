@@ -10,6 +10,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.exchange.folders import IsExcluded, nothing_excluded
 from mars_asp.exchange.unite import united
 from mars_asp.language import Parsed
+from mars_asp.language.print import print_module
 
 _Reader: TypeAlias = Callable[..., Parsed]
 #: Where what reads a format is, from texts and their paths. Only what is needed is loaded.
@@ -68,7 +69,9 @@ def read_foreign(
     # A robot of nodes and links is checked as one of nodes: URDF has no topics.
     origin = next((each for each in formats if each != "urdf"), files[0].format)
     parsed = united(found)
-    return parsed._replace(configuration=replace(parsed.configuration, origin=origin))
+    configuration = replace(parsed.configuration, origin=origin)
+    blocks = tuple(map(print_module, configuration.declared))
+    return parsed._replace(configuration=configuration, blocks=blocks)
 
 
 def _with(format: str, formats: Collection[str]) -> str:

@@ -4,7 +4,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from mars_asp.language import Parsed
-from mars_asp.language.print import print_module
 from mars_asp.model.declarations import Module, Name
 
 
@@ -28,7 +27,6 @@ def united(parts: Sequence[Parsed]) -> Parsed:
     return Parsed(
         configuration,
         warnings,
-        tuple(map(print_module, configuration.declared)),
         trees=tuple(tree for part in parts for tree in part.trees),
     )
 

@@ -11,7 +11,6 @@ from mars_asp.exchange import ports
 from mars_asp.exchange.dora.document import PERIODIC, Dataflow, read_dataflow
 from mars_asp.exchange.unread import Unread, notes
 from mars_asp.language import Parsed
-from mars_asp.language.print import print_module
 from mars_asp.model.declarations import (
     Configuration,
     Data,
@@ -52,9 +51,7 @@ def import_dora(files: Sequence[tuple[str, str]]) -> Parsed:
     configuration = _configuration(dataflows, files[0][1])
     configuration = replace(configuration, missing=tuple(missing))
     unread: list[Unread] = [each for dataflow in dataflows for each in dataflow.unread]
-    return Parsed(
-        configuration, tuple(notes(unread)), tuple(map(print_module, configuration.declared))
-    )
+    return Parsed(configuration, tuple(notes(unread)))
 
 
 def _missing(dataflow: Dataflow, path: Path) -> Iterator[MissingFile]:

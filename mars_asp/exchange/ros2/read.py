@@ -53,7 +53,6 @@ from mars_asp.exchange.unread import BROKEN, Unread, notes
 from mars_asp.exchange.yaml_document import Items, Repeat, Scalar, read_yaml
 from mars_asp.exchange.yaml_document import Node as YamlNode
 from mars_asp.language import Parsed
-from mars_asp.language.print import print_module
 from mars_asp.model.graph import (
     AbsentFile,
     Endpoint,
@@ -165,12 +164,7 @@ def import_ros2(
     wrong = {each.span for each in problems if each.severity == "error"}
     further = (each for each in unread if each.sort not in BROKEN or each.span not in wrong)
     remarks = (*dict.fromkeys(problems), *notes(_once((*further, *left_out))))
-    return Parsed(
-        configuration,
-        remarks,
-        tuple(map(print_module, configuration.declared)),
-        trees=tuple(trees),
-    )
+    return Parsed(configuration, remarks, trees=tuple(trees))
 
 
 def _root(path: Path) -> tuple[Path, bool]:

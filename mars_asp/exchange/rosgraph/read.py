@@ -16,7 +16,6 @@ from mars_asp.exchange.topics import configuration_of
 from mars_asp.exchange.twist_mux.document import read_document
 from mars_asp.exchange.unread import Unread, notes
 from mars_asp.language import Parsed
-from mars_asp.language.print import print_module
 from mars_asp.model.graph import Graph, GraphNode, Mux
 
 _READERS: Mapping[str, Callable[[str, str], Dump]] = {
@@ -70,7 +69,7 @@ def import_rosgraph(files: Sequence[tuple[str, str]]) -> Parsed:
     if not configuration.modules:
         raise MarsError((_empty(files[0][1]),))
     entries = (*warnings, *notes(_each_once((*unread, *further))))
-    return Parsed(configuration, entries, tuple(map(print_module, configuration.declared)))
+    return Parsed(configuration, entries)
 
 
 def _empty(path: str) -> Diagnostic:

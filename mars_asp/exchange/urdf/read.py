@@ -22,7 +22,6 @@ from mars_asp.exchange.urdf.angles import (
 )
 from mars_asp.exchange.urdf.document import UrdfJoint, read_document
 from mars_asp.language import Parsed
-from mars_asp.language.print import print_module
 from mars_asp.model.declarations import (
     Configuration,
     Function,
@@ -95,7 +94,7 @@ def import_urdfs(files: Sequence[tuple[str, str]]) -> Parsed:
         raise MarsError((Diagnostic("usage", "error", message, place, help="give one at a time"),))
     found = import_urdf(text, path)
     configuration = replace(found.configuration, architecture="hierarchical")
-    return Parsed(configuration, found.warnings, tuple(map(print_module, configuration.declared)))
+    return found._replace(configuration=configuration)
 
 
 def _placements(
