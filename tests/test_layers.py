@@ -88,7 +88,7 @@ FILES = {
         "unite urdf twist_mux rosgraph dora ros2 foreign"
     ),
     "exchange/dora": "document read",
-    "exchange/rosgraph": "dump lists rosdiscover caret dot_tokens dot node_info topic_info read",
+    "exchange/rosgraph": "dump rosdiscover caret dot_tokens dot node_info topic_info read",
     "exchange/ros2": (
         "actions commands names interface catalogue cmake python_files python_scopes "
         "python_written python_values python_expressions python_texts setup_files workspace "

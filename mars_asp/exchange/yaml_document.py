@@ -53,6 +53,16 @@ class Pairs:
     pairs: tuple[tuple[Scalar, "Node"], ...]
     span: Span
 
+    def value(self, *keys: str) -> "Node | None":
+        """Return the value of the first of some keys that the map has."""
+        found = {key.text: node for key, node in self.pairs}
+        return next((found[key] for key in keys if key in found), None)
+
+    def word(self, *keys: str) -> Scalar | None:
+        """Return the value of the first of these keys, or None if it is not a word."""
+        found = self.value(*keys)
+        return found if isinstance(found, Scalar) and found.text else None
+
 
 Node: TypeAlias = Scalar | Items | Pairs
 

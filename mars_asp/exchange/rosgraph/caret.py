@@ -10,7 +10,6 @@ from fractions import Fraction
 
 from mars_asp.diagnostic import beginning
 from mars_asp.exchange.rosgraph.dump import Dump
-from mars_asp.exchange.rosgraph.lists import maps, value, word
 from mars_asp.exchange.yaml_document import WHOLE, Items, Node, Pairs, Scalar, read_dump
 from mars_asp.model.ranges import MOST
 from mars_asp.model.rates import Rate, every
@@ -31,11 +30,11 @@ def read_caret(text: str, path: str) -> Dump:
     """
     dump = Dump()
     root = read_dump(text, path)
-    nodes = value(root, "nodes") if isinstance(root, Pairs) else None
+    nodes = root.value("nodes") if isinstance(root, Pairs) else None
     if nodes is None:
         dump.wrong(beginning(root.span), "the file has no `nodes`", "write `nodes:` and a list")
-    for node in maps(dump, nodes, "nodes"):
-        named = word(node, "node_name")
+    for node in dump.maps(nodes, "nodes"):
+        named = node.word("node_name")
         if named is None:
             message = "a node has no `node_name`"
             dump.wrong(beginning(node.span), message, "add `node_name: /NODE`")
@@ -44,8 +43,8 @@ def read_caret(text: str, path: str) -> Dump:
             _read_node(dump, node, named.text)
     if isinstance(root, Pairs):
         for key in ("named_paths", "path_name_aliases"):
-            for named_path in maps(dump, value(root, key), key):
-                called = word(named_path, "path_name")
+            for named_path in dump.maps(root.value(key), key):
+                called = named_path.word("path_name")
                 if called is not None:
                     dump.skip("paths", called.text, called.span)
     return dump
@@ -55,9 +54,9 @@ def _read_node(dump: Dump, node: Pairs, name: str) -> None:
     """Add the publications and subscriptions of a node."""
     rates: dict[str, Rate] = {}
     types: dict[str, str | None] = {}
-    callbacks = list(maps(dump, value(node, "callbacks"), "callbacks"))
+    callbacks = list(dump.maps(node.value("callbacks"), "callbacks"))
     for callback in callbacks:
-        called, sort = word(callback, "callback_name"), word(callback, "callback_type", "type")
+        called, sort = callback.word("callback_name"), callback.word("callback_type", "type")
         if sort is None:
             message = f"a callback of `{name}` has no `callback_type`"
             dump.wrong(beginning(callback.span), message, "add `callback_type: timer_callback`")
@@ -66,24 +65,24 @@ def _read_node(dump: Dump, node: Pairs, name: str) -> None:
             if called is not None and rate is not None:
                 rates[called.text] = rate
         elif sort.text == "service_callback":
-            service = word(callback, "service_name") or sort
+            service = callback.word("service_name") or sort
             dump.skip("services", service.text, service.span)
         elif sort.text == "subscription_callback":
-            topic, symbol = word(callback, "topic_name"), word(callback, "symbol")
+            topic, symbol = callback.word("topic_name"), callback.word("symbol")
             if topic is None:
                 message = f"a subscription of `{name}` has no `topic_name`"
                 dump.wrong(beginning(callback.span), message, "add `topic_name: /TOPIC`")
                 continue
             types[topic.text] = _message_type(symbol)
             dump.end(name, topic.text, False, types[topic.text], topic.span)
-    for entry in maps(dump, value(node, "subscribes"), "subscribes"):
-        topic = word(entry, "topic_name")
+    for entry in dump.maps(node.value("subscribes"), "subscribes"):
+        topic = entry.word("topic_name")
         if topic is not None and topic.text not in (*types, _UNDEFINED):
             dump.end(name, topic.text, False, None, topic.span)
-    for entry in maps(dump, value(node, "publishes", "publish"), "publishes"):
-        topic = word(entry, "topic_name")
+    for entry in dump.maps(node.value("publishes", "publish"), "publishes"):
+        topic = entry.word("topic_name")
         if topic is not None and topic.text != _UNDEFINED:
-            by = _callback_names(value(entry, "callback_names", "callback_name"))
+            by = _callback_names(entry.value("callback_names", "callback_name"))
             if not by and len(callbacks) == 1:
                 # The only callback of a node has to be the one that publishes.
                 by = tuple(rates)
@@ -91,8 +90,8 @@ def _read_node(dump: Dump, node: Pairs, name: str) -> None:
 
 
 def _timer_rate(dump: Dump, callback: Pairs, name: str) -> Rate | None:
-    """Return the rate of a timer; add an error and return None if it has none."""
-    period = word(callback, "period_ns")
+    """Return the rate of a timer; note where it has none."""
+    period = callback.word("period_ns")
     if (
         period is None
         or not WHOLE.fullmatch(period.text)

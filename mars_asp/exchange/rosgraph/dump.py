@@ -1,12 +1,14 @@
 """The nodes and topics of a dump, collected step by step."""
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from mars_asp.diagnostic import Diagnostic, Span
+from mars_asp.diagnostic import Diagnostic, Span, beginning
 from mars_asp.exchange import ports
 from mars_asp.exchange.unread import Unread
+from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar
 from mars_asp.model.graph import Endpoint, Graph, GraphNode
 
 
@@ -72,6 +74,19 @@ class Dump:
     def wrong(self, span: Span, message: str, help_text: str) -> None:
         """Add an error to `problems`."""
         self.problems.append(Diagnostic("rosgraph", "error", message, span, help=help_text))
+
+    def maps(self, node: Node | None, what: str) -> Iterator[Pairs]:
+        """Yield the maps of a list, which may be missing or empty; note other entries as errors."""
+        if isinstance(node, Scalar) and node.text in ("", "~", "null", "UNDEFINED"):
+            return
+        if not isinstance(node, Items | None):
+            self.wrong(beginning(node.span), f"`{what}` is not a list", f"write a list of {what}")
+        for each in node.nodes if isinstance(node, Items) else ():
+            if isinstance(each, Pairs):
+                yield each
+            else:
+                message = f"an entry of `{what}` is not a map"
+                self.wrong(beginning(each.span), message, "write `- KEY: VALUE`")
 
     def graph(self, path: str) -> Graph:
         """Return the graph of all nodes, marked as observed in a run."""

@@ -5,7 +5,6 @@ https://github.com/rosqual/rosdiscover
 
 from mars_asp.diagnostic import beginning
 from mars_asp.exchange.rosgraph.dump import Dump
-from mars_asp.exchange.rosgraph.lists import maps, value, word
 from mars_asp.exchange.yaml_document import Items, Pairs, Scalar, read_dump
 
 _CALLS = {
@@ -27,21 +26,21 @@ def read_rosdiscover(text: str, path: str) -> Dump:
     root = read_dump(text, path)
     if not isinstance(root, Items):
         dump.wrong(beginning(root.span), "the dump is not a list of nodes", "write `- fullname:`")
-    for node in maps(dump, root if isinstance(root, Items) else None, "nodes"):
+    for node in dump.maps(root if isinstance(root, Items) else None, "nodes"):
         _read_node(dump, node)
     return dump
 
 
 def _read_node(dump: Dump, node: Pairs) -> None:
-    named = word(node, "fullname") or word(node, "name")
+    named = node.word("fullname") or node.word("name")
     if named is None:
         dump.wrong(beginning(node.span), "a node has no `fullname`", "add `fullname: /NODE`")
         return
     name = _full_name(node, named)
     dump.node(name, named.span)
     for key, out in (("pubs", True), ("subs", False)):
-        for entry in maps(dump, value(node, key), key):
-            topic, type_ = word(entry, "name"), word(entry, "format")
+        for entry in dump.maps(node.value(key), key):
+            topic, type_ = entry.word("name"), entry.word("format")
             if topic is None:
                 message = f"an entry of `{key}` of `{name}` has no `name`"
                 dump.wrong(beginning(entry.span), message, "add `name: /TOPIC`")
@@ -49,14 +48,14 @@ def _read_node(dump: Dump, node: Pairs) -> None:
                 written = None if type_ is None else type_.text
                 dump.end(name, topic.text, out, written, topic.span)
     for key, sort in _CALLS.items():
-        for entry in maps(dump, value(node, key), key):
-            called = word(entry, "name")
+        for entry in dump.maps(node.value(key), key):
+            called = entry.word("name")
             if called is not None:
                 dump.skip(sort, called.text, called.span)
     for key in _PARAMETERS:
-        listed = value(node, key)
+        listed = node.value(key)
         for each in listed.nodes if isinstance(listed, Items) else ():
-            parameter = word(each, "name") if isinstance(each, Pairs) else each
+            parameter = each.word("name") if isinstance(each, Pairs) else each
             if isinstance(parameter, Scalar):
                 dump.skip("parameters", parameter.text, parameter.span)
 
@@ -65,5 +64,5 @@ def _full_name(node: Pairs, named: Scalar) -> str:
     """Return the name of a node with its namespace, which `fullname` has already."""
     if named.text.startswith("/"):
         return named.text
-    space = word(node, "namespace")
+    space = node.word("namespace")
     return f"{'/' if space is None else space.text.rstrip('/') + '/'}{named.text}"
