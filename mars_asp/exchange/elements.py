@@ -9,6 +9,14 @@ from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 
 #: A robot, its links and joints, and the direct children of these; geometry is deeper.
 _DEEPEST = 3
+#: Errors that the end of an open element avoids.
+_UNCLOSED = frozenset(
+    {
+        expat.errors.XML_ERROR_NO_ELEMENTS,
+        expat.errors.XML_ERROR_UNCLOSED_TOKEN,
+        expat.errors.XML_ERROR_TAG_MISMATCH,
+    }
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,16 +50,16 @@ def read_elements(
     """
     parser = expat.ParserCreate()
     open_elements: list[XmlElement] = []
-    depth = 0
+    open_names: list[str] = []
     root: XmlElement | None = None
 
     def here() -> Span:
         return point(path, parser.CurrentLineNumber, parser.CurrentColumnNumber + 1)
 
     def start(name: str, attributes: dict[str, str]) -> None:
-        nonlocal depth, root
-        depth += 1
-        if depth > deepest:
+        nonlocal root
+        open_names.append(name)
+        if len(open_names) > deepest:
             if whole:
                 message = f"elements are nested deeper than {deepest}"
                 help_text = "nothing of a robot is so deep: take levels away"
@@ -65,10 +73,9 @@ def read_elements(
         open_elements.append(element)
 
     def end(_: str) -> None:
-        nonlocal depth
-        if depth <= deepest:
+        if len(open_names) <= deepest:
             open_elements.pop()
-        depth -= 1
+        open_names.pop()
 
     def refuse(*_: object) -> NoReturn:
         # The parser calls this at the end of the name, and its index counts bytes.
@@ -79,7 +86,7 @@ def read_elements(
         raise MarsError((Diagnostic(code, "error", found, place, help="delete it"),))
 
     def characters(text: str) -> None:
-        if open_elements and depth <= deepest:
+        if open_elements and len(open_names) <= deepest:
             piece = (parser.CurrentLineNumber, parser.CurrentColumnNumber, text)
             open_elements[-1].pieces.append(piece)
 
@@ -92,7 +99,10 @@ def read_elements(
         parser.Parse(text, True)
     except expat.ExpatError as error:
         place = point(path, error.lineno, error.offset + 1)
-        message = f"the file is not XML: {expat.errors.messages[error.code]}"
+        reason = expat.errors.messages[error.code]
+        is_open = open_names and reason in _UNCLOSED
+        expected = f", expected `</{open_names[-1]}>`" if is_open else ""
+        message = f"the file is not XML: {reason}{expected}"
         raise MarsError((Diagnostic(code, "error", message, place),)) from None
     assert root is not None  # expat refuses a document without a root
     return root

@@ -9,10 +9,13 @@ from mars_asp.diagnostic import NOT_READ, Diagnostic, Span
 
 #: Launch files that nothing can launch.
 CIRCLES = "launch files that include themselves"
+#: Manifests of packages that no build reads.
+MANIFESTS = "manifests of packages with errors"
 #: Sorts of files that no parser takes, or that cannot be launched.
 BROKEN = frozenset(
     {
         CIRCLES,
+        MANIFESTS,
         "launch files with errors",
         "included launch files with errors",
         "parameter files with errors",

@@ -251,6 +251,48 @@ def test_a_source_that_is_not_python_is_found_from_another_folder(
 
 
 @pytest.mark.parametrize(
+    ("manifest", "found"),
+    [
+        (
+            "<package>\n<name>mine</na",
+            ":2:11: warning: the file is not XML: unclosed token, expected `</name>`",
+        ),
+        (
+            "<package>\n<name>mine",
+            ":2:11: warning: the file is not XML: no element found, expected `</name>`",
+        ),
+        (
+            "<package><name>mine</name></pack>",
+            ":1:29: warning: the file is not XML: mismatched tag, expected `</package>`",
+        ),
+        ("<package><nam>mine</nam></package>", ":1:1: warning: `package` has no `<name>`"),
+        ("", ":1:1: warning: the file is not XML: no element found"),
+        ("\0", ": the file is not a text"),
+        # The name of a template is made by a program.
+        ("<package><name>{{ name }}</name></package>", None),
+    ],
+)
+@pytest.mark.parametrize("named", [".", "mine/launch/x.launch.xml"])
+def test_a_broken_manifest_leaves_the_package_the_name_of_its_folder(
+    manifest: str, found: str | None, named: str, tmp_path: Path, capsys: Captured
+) -> None:
+    node = '<node pkg="joy" exec="joy_node" name="joy"/>'
+    include = '<include file="$(find-pkg-share mine)/launch/in.xml"/>'
+    files = {
+        "package.xml": manifest,
+        "launch/x.launch.xml": f"<launch>{node}{include}</launch>",
+        "launch/in.xml": f"<launch>{node}</launch>",
+    }
+    write_package(files, tmp_path / "mine")
+    (tmp_path / ".git").mkdir()
+    run_here(["check", str(tmp_path / named)])
+    output = capsys.readouterr().out
+    assert output.count("[broken_file]") == (found is not None)
+    assert found is None or f"mine/package.xml{found} [broken_file]" in output
+    assert ("[duplicate_node]" in output) == (found is not None)
+
+
+@pytest.mark.parametrize(
     ("text", "built_by", "found"),
     [
         ("rate: 1\n", "ament_cmake", 1),

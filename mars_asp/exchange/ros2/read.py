@@ -49,7 +49,7 @@ from mars_asp.exchange.twist_mux.document import (
     read_parameters,
     read_parts,
 )
-from mars_asp.exchange.unread import BROKEN, Unread, notes
+from mars_asp.exchange.unread import BROKEN, MANIFESTS, Unread, notes
 from mars_asp.exchange.yaml_document import Items, Repeat, Scalar, read_yaml
 from mars_asp.exchange.yaml_document import Node as YamlNode
 from mars_asp.language import Parsed
@@ -300,21 +300,8 @@ class _WorkspaceRobot:
                 nodes_of_any_name = tuple(replace(n, is_named=False) for n in tree.nodes)
                 tree = replace(tree, nodes=nodes_of_any_name, is_of_programs=True)
             self.trees.append(tree)
-        if launched is launches and self.trees:
-            # Faults of no launch file are with the first tree: of a folder all, of a launch file
-            # those of its programs and their packages.
-            first = self.trees[0]
-            broken = [*first.broken, *self.programs.unreadable_modules()]
-            missing = list(first.missing)
-            if not self.chosen:
-                is_whole = self.workspace.root in paths
-                entries = self.programs.absent_entries()
-                missing += (each for each in entries if is_whole or each.package in self.packages)
-                if is_whole:
-                    broken += self.programs.unreadable_modules()
-                    first = replace(first, by_hand=tuple(self._by_hand(launches, paths)))
-            once = tuple(dict.fromkeys(broken))
-            self.trees[0] = replace(first, missing=tuple(missing), broken=once)
+        if self.trees:
+            self.trees[0] = self._with_faults_of_packages(launches, launched is launches, paths)
         nodes: dict[str, GraphNode] = {}
         for node in chain.from_iterable(tree.nodes for tree in self.trees):
             known = nodes.get(node.name)
@@ -339,6 +326,30 @@ class _WorkspaceRobot:
         return Graph(
             name, tuple(nodes.values()), tuple(muxes.values()), relays=tuple(relays.values())
         )
+
+    def _with_faults_of_packages(
+        self, launches: Sequence[Launch], are_launched: bool, paths: Sequence[Path]
+    ) -> LaunchTree:
+        """Return the first launch tree with the faults of no launch file.
+
+        These are manifests with errors; of a folder whose launch files start something, all other
+        faults of packages; of a launch file those of its programs and their packages.
+        """
+        first = self.trees[0]
+        manifests = (each for each in self.workspace.unread if each.sort == MANIFESTS)
+        broken = [*first.broken, *((each.name, each.span) for each in manifests)]
+        missing = list(first.missing)
+        if are_launched:
+            broken += self.programs.unreadable_modules()
+        if are_launched and not self.chosen:
+            is_whole = self.workspace.root in paths
+            entries = self.programs.absent_entries()
+            missing += (each for each in entries if is_whole or each.package in self.packages)
+            if is_whole:
+                # The console scripts have been read as well now.
+                broken += self.programs.unreadable_modules()
+                first = replace(first, by_hand=tuple(self._by_hand(launches, paths)))
+        return replace(first, missing=tuple(missing), broken=tuple(dict.fromkeys(broken)))
 
     def _launches(self, paths: Sequence[Path]) -> Iterator[Launch]:
         """Yield the launch trees of folders, and one of all named files together."""

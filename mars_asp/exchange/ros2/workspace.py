@@ -15,6 +15,7 @@ from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
 from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
+from mars_asp.exchange.elements import read_elements
 from mars_asp.exchange.folders import IGNORE_MARKERS, IsExcluded, nothing_excluded
 from mars_asp.exchange.ros2.cmake import (
     Installed,
@@ -24,7 +25,7 @@ from mars_asp.exchange.ros2.cmake import (
     words_of_programs,
 )
 from mars_asp.exchange.ros2.setup_files import files_of_setup, has_unknown_scripts, lists_all_files
-from mars_asp.exchange.unread import Unread
+from mars_asp.exchange.unread import MANIFESTS, Unread
 from mars_asp.language.parse import decode, plain_lines, read_bytes
 
 #: What a launch file or a source may hold, and how many files a workspace.
@@ -270,15 +271,27 @@ class Workspace:
         found = {}
         for file in self.files:
             if file.name == "package.xml":
-                try:
-                    text = _COMMENT.sub("", self.text(file))
-                except MarsError:
-                    continue
+                text = _COMMENT.sub("", self.readable(file))
                 match = _XML_NAME.search(text)
-                if match:
+                # A template has an expression for its name.
+                if match or "</name>" not in text:
+                    name = match[1] if match else file.parent.name
                     built = frozenset(_BUILD_TYPE.findall(text) or _CATKIN.findall(text))
-                    found[file.parent] = Package(match[1], file.parent, built)
+                    found[file.parent] = Package(name, file.parent, built)
         return found
+
+    def _note_errors(self, manifest: Path) -> None:
+        """Note the error of the manifest of a package that no build reads."""
+        shown = self.shown(manifest)
+        try:
+            root = read_elements(self.text(manifest), shown)
+        except MarsError as error:
+            message, place = error.diagnostics[0].message, error.diagnostics[0].span
+        else:
+            if next(root.named("name"), None) is not None:
+                return
+            message, place = f"`{root.name}` has no `<name>`", root.span
+        self.unread.append(Unread(MANIFESTS, f"{shown}: {message}", place))
 
     def is_nested(self, path: Path) -> bool:
         """Whether a path is in a package inside another package, which no build finds.
@@ -300,6 +313,7 @@ class Workspace:
                 sort = "packages in the folders of others, which no build finds,"
                 self.unread.append(Unread(sort, package.name, place))
             else:
+                self._note_errors(folder / "package.xml")
                 found.append(package)
         return tuple(sorted(found, key=lambda package: -len(package.folder.parts)))
 
