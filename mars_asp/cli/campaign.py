@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mars_asp import __version__
-from mars_asp.cli.arguments import positive
+from mars_asp.cli.arguments import add_output, positive
 from mars_asp.cli.deliver import add_line, grow_file, write_file
 from mars_asp.cli.diagnostic_text import report
 from mars_asp.cli.inputs import STANDARD_INPUT, add_file, check_inputs, read_project
@@ -36,7 +36,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--scenario", metavar="S.toml", required=True)
     add("--seeds", metavar="SEEDS", type=_seeds, required=True)
     add("--vary", metavar="KEY=VALUE,...", action="append", default=[])
-    add("-o", "--output", metavar="OUT.jsonl")
+    add_output(parser, "OUT.jsonl")
     add("--fresh", action="store_true")
     add("--workers", metavar="N", type=_positive_integer, default=1)
     add("--cluster", metavar="ADDRESS")
@@ -66,9 +66,6 @@ def run(arguments: argparse.Namespace) -> int:
     from mars_asp.cli.campaign_runner import hashes, job_of, needs_of
     from mars_asp.execution.campaign.journal import ended_run, header_of, in_order
 
-    if arguments.output is None and arguments.format == "json":
-        arguments.output = STANDARD_INPUT
-    file = arguments.output if arguments.output != STANDARD_INPUT else None
     _check_engine(arguments)
     check_inputs(*arguments.files, arguments.scenario)
     project = read_project(arguments)
@@ -84,8 +81,8 @@ def run(arguments: argparse.Namespace) -> int:
     journal = _journal(header, arguments)
     ended = dict(journal.ended)
     missing = [each for each in grid.runs() if each.name not in ended]
-    if file is not None:
-        grow_file(file, journal.kept, journal.size)
+    if arguments.output != STANDARD_INPUT:
+        grow_file(arguments.output, journal.kept, journal.size)
         if not journal.kept:
             add_line(header)
     outcomes = _outcomes(job, missing, arguments)
@@ -96,7 +93,7 @@ def run(arguments: argparse.Namespace) -> int:
             if outcome.result is None:
                 raise MarsError(_of_run(each, outcome.problems))
             ended[each.name] = ended_run(each, outcome.result)
-            if file is not None:
+            if arguments.output != STANDARD_INPUT:
                 add_line(ended[each.name].line)
             progress.take(ended[each.name])
             show(progress)
@@ -122,7 +119,7 @@ def _check_engine(arguments: argparse.Namespace) -> None:
         help_text = "`pip install 'mars-asp[campaign]'`, or use --workers on this machine"
         message = "`--cluster` needs Dask, which is not installed"
         raise refusal("campaign", message, "--cluster", help_text)
-    if arguments.fresh and arguments.output in (None, STANDARD_INPUT):
+    if arguments.fresh and arguments.output == STANDARD_INPUT:
         raise refusal(
             "campaign", "there is no file to begin anew", "--fresh", "name it: -o OUT.jsonl"
         )
@@ -168,7 +165,7 @@ def _journal(header: bytes, arguments: argparse.Namespace) -> "Journal":
     from mars_asp.execution.campaign.journal import Journal, read_journal
 
     path = arguments.output
-    if path in (None, STANDARD_INPUT) or not Path(path).exists():
+    if path == STANDARD_INPUT or not Path(path).exists():
         return Journal()
     if not Path(path).is_file():
         raise refusal(
@@ -264,7 +261,7 @@ def _finish(
     streamed = arguments.output == STANDARD_INPUT
     if streamed:
         sys.stdout.write(whole.decode())
-    elif arguments.output is not None:
+    else:
         write_file(arguments.output, whole)
     if arguments.plot:
         title = f"{Path(arguments.files[0]).name} in {Path(arguments.scenario).name}"

@@ -105,7 +105,7 @@ def campaign(tmp_path: Path, monkeypatch: Patch) -> Campaign:
 
 def test_lines_are_those_of_single_runs(campaign: Campaign, capsys: Captured) -> None:
     vary = ["--vary", "robot.radius=100,300", "--vary", "modules.C=on,off"]
-    status = run_here(campaign.words("--seeds", "1-3", *vary, "-o", "-", "--quiet"))
+    status = run_here(campaign.words("--seeds", "1-3", *vary))
     first, *lines, last = map(json.loads, capsys.readouterr().out.splitlines())
     assert (first["format"], first["version"]) == ("mars-campaign", 1)
     assert [(line["seed"], *line["vary"].values()) for line in lines] == [
@@ -155,27 +155,6 @@ def test_quantiles_and_warnings_are_in_lines_and_table(
     assert re.search(r"(?m)^time to reach +5 % 0\.\d s, 50 % 0\.\d s, 95 % never$", table)
     assert re.search(r"(?m)^distance to place +5 % \d+ mm, ", table)
     assert "warnings in 2 of 4: module_never_ran(P)," in table
-
-
-@pytest.mark.parametrize("quiet", [[], ["--quiet"]], ids=["", "quiet"])
-def test_lines_are_printed_on_request_and_else_the_table(
-    quiet: list[str], campaign: Campaign, capsys: Captured
-) -> None:
-    def printed(*words: str) -> tuple[str, str]:
-        run_here(campaign.words("--seeds", "1-2", *words, *quiet))
-        output = capsys.readouterr()
-        return output.out, output.err
-
-    table, err = printed()
-    assert table.startswith("2 runs, intervals of 95 % (Wilson)\n") and err == ""
-    lines, err = printed("-o", "-")
-    assert [*map(json.loads, lines.splitlines())][-1]["runs"] == 2
-    assert err == ("" if quiet else table)
-    assert printed("--format", "json") == (lines, "")
-    # No file was written, and with a file both forms are there.
-    assert not campaign.out.exists()
-    assert printed("-o", "o.jsonl") == (table, "")
-    assert campaign.out.read_text() == lines
 
 
 def test_a_run_cannot_hang_or_end_a_campaign(campaign: Campaign, capsys: Captured) -> None:
@@ -410,7 +389,7 @@ def test_the_line_shows_how_many_passed_and_how_long_it_will_take() -> None:
 def test_each_key_of_a_line_is_in_the_schema(example: str, capsys: Captured) -> None:
     folder = ROOT / "examples" / example
     words = [f"{folder}.mars", "--scenario", str(folder.parent / "scenario.toml")]
-    run_here(["campaign", *words, "--seeds", "1", "--vary", "duration=2", "--format", "json"])
+    run_here(["campaign", *words, "--seeds", "1", "--vary", "duration=2"])
     lines = list(map(json.loads, capsys.readouterr().out.splitlines()))
     assert len(lines) == 3
     for line in lines:
