@@ -135,7 +135,8 @@ class Selection:
             from mars_asp.cli.baseline import check_replaceable
 
             check_replaceable(arguments.write_baseline)
-        if arguments.baseline is not None:
+        # A baseline of the same name is the one to be renewed.
+        if arguments.baseline not in (None, arguments.write_baseline):
             if arguments.write_baseline is not None:
                 message = "--write-baseline lists all findings, also those of a baseline"
                 raise refusal("usage", message, "--baseline", "leave out one of the two")
