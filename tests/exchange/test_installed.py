@@ -58,6 +58,14 @@ INSTALLED = [
         "setup.py",
         f"{SETUP}setup(data_files=[(f'share/{{package_name}}/launch', ('robot/a.launch.xml',))])",
     ),
+    ("setup.py", f"{SETUP}setup(data_files=[({SHARE}, glob('*/*.launch.*'))])"),
+    ("setup.py", f"{SETUP}setup(data_files=[({SHARE}, glob('**/*.xml', recursive=True))])"),
+    ("setup.py", f"{SETUP}setup(data_files=[({SHARE}, glob('robot/**', recursive=True))])"),
+    (
+        "CMakeLists.txt",
+        "project(mine)\nfile(GLOB FILES */*.xml)\n"
+        "install(FILES ${FILES} DESTINATION share/${PROJECT_NAME}/launch)",
+    ),
     (
         "CMakeLists.txt",
         "project(mine)\ninstall(FILES robot/a.launch.xml DESTINATION share/${PROJECT_NAME}/launch)",
@@ -82,6 +90,16 @@ def test_installed_launch_files_are_found(name: str, text: str, tmp_path: Path) 
     found = read(written, tmp_path)
     assert [name.text for name in found.configuration.modules] == ["/pad"]
     assert [tree.path.rpartition("/")[2] for tree in found.trees] == ["b.launch.xml"]
+
+
+@pytest.mark.parametrize("pattern", ["*/*/*.xml", "**/*.xml", "robot/**"])
+def test_a_pattern_installs_files_at_its_own_depth(pattern: str, tmp_path: Path) -> None:
+    setup = f"{SETUP}setup(data_files=[({SHARE}, glob('{pattern}'))])"
+    outer = '<launch><include file="$(find-pkg-share mine)/launch/a.launch.xml"/></launch>'
+    deep = "robot/a.launch.xml" if pattern == "*/*/*.xml" else "robot/x/a.launch.xml"
+    written = {"setup.py": setup, deep: "<launch/>", "top/b.launch.xml": outer}
+    found = read(written, tmp_path)
+    assert any("a.launch.xml" in note.message for note in found.warnings)
 
 
 def test_a_folder_is_installed_by_its_own_name(tmp_path: Path) -> None:

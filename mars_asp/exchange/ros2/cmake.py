@@ -319,12 +319,16 @@ class _CMakeReader:
                 continue
             self.left -= 1 + len(self.files) // 100
             for path in self.files if self.left > 0 else ():
-                place, _, last = path.rpartition("/")
-                is_below = command == "GLOB_RECURSE" and f"{place}/".startswith(
-                    f"{above}/" * bool(above)
-                )
-                if (place == above or is_below) and fnmatchcase(last, name):
+                last = path.rpartition("/")[2]
+                is_below = command == "GLOB_RECURSE" and path.startswith(f"{above}/" * bool(above))
+                if (is_below and fnmatchcase(last, name)) or is_named(path, pattern):
                     yield f"{_PACKAGE}/{path}"
+
+
+def is_named(path: str, pattern: str) -> bool:
+    """Whether a pattern names the path of a file; `**` in it is any number of folders."""
+    has_any_depth = "**" in pattern or path.count("/") == pattern.count("/")
+    return has_any_depth and fnmatchcase(path, pattern.replace("**/", "*"))
 
 
 def _in_package(path: str, folder: str) -> str:

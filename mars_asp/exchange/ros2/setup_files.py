@@ -135,7 +135,8 @@ def _data_sources(listed: ast.expr, texts: PythonTexts) -> Iterator[str | None]:
                 waiting += [left, right]
             case ast.Call(func=ast.Name(id="glob") | ast.Attribute(attr="glob"), args=[first, *_]):
                 pattern = _text_of(first, texts)
-                yield pattern
+                is_recursive = any(each.arg == "recursive" for each in node.keywords)
+                yield pattern if is_recursive or pattern is None else pattern.replace("**", "*")
                 is_plain = len(node.args) == 1 and not node.keywords
                 if not is_plain or set((pattern or "").rpartition("/")[0]) & set("*?["):
                     yield None

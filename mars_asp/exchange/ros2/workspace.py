@@ -21,6 +21,7 @@ from mars_asp.exchange.ros2.cmake import (
     Installed,
     Targets,
     installing_macros,
+    is_named,
     read_cmake,
     words_of_programs,
 )
@@ -618,12 +619,22 @@ class Workspace:
             if not is_folder:
                 if folder == target and fnmatchcase(name, last):
                     yield package.folder / above / name
+                    if set(above) & set("*?[") or last == "**":
+                        yield from self._named_by(source, name, package)
                 continue
             # Without a slash at its end a folder keeps its name.
             below = "/".join(filter(None, (target, last)))
             if not below or path.startswith(f"{below}/"):
                 inner = path[len(below) :].lstrip("/")
                 yield package.folder / source / inner
+
+    def _named_by(self, pattern: str, name: str, package: Package) -> Iterator[Path]:
+        """Yield the files of a name in any folder of a package that a pattern names."""
+        plain = os.path.normpath(pattern)
+        for file in self.by_package[package.folder]:
+            inside = file.relative_to(package.folder).as_posix()
+            if file.name == name and is_named(inside, plain):
+                yield file
 
     def _read_installed(self, package: Package) -> Sequence[Installed]:
         """Return the shared files that a package installs."""
