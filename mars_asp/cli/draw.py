@@ -136,8 +136,8 @@ def _box_and_port(written: str, picture: "Picture", project: "Project") -> tuple
 
     names = {box.name for box in picture.boxes}
     module, port = read_end(written) or (written, None)
-    # A name may be written as the diagram shows it.
-    for name in (visible(written), visible(module) if port is None else ""):
+    # A name may be written as the diagram shows it, and that of a node of ROS without its slash.
+    for name in (visible(written), visible(module) if port is None else "", f"/{visible(written)}"):
         if name in names:
             return name, None
     # A module without a description has the ports that relationships name.

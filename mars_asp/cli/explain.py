@@ -281,8 +281,8 @@ def _explained_findings(
     )
     answer = explained_of(subject)
     if answer is None and subject is not None:
-        # A program has no slash before its name, and its node has.
-        answer = explained_of(subject.removeprefix("/"))
+        # A program has no slash before its name, and a node or topic has.
+        answer = explained_of(subject.removeprefix("/")) or explained_of(f"/{subject}")
     messages = (*selection.messages(project)[0], *unapplied_packs(project, rulebook))
     if answer is None:
         closing = _no_finding(project, analysis, rules, subject, of, arguments)
@@ -324,9 +324,10 @@ def _no_finding(
         if not is_read and not Path(line[1]).is_file():
             raise unknown_name(project, analysis, line[1])
         return f"no finding at `{subject}` in {of}"
-    if subject in names:
-        return f"no finding about `{subject}` in {of}"
-    if f"/{subject}" in names or (subject.startswith("/") and "./" not in subject):
+    for name in (subject, f"/{subject}"):
+        if name in names:
+            return f"no finding about `{name}` in {of}"
+    if subject.startswith("/") and "./" not in subject:
         raise unknown_name(project, analysis, subject)
     why = _why_no_finding(project, analysis, rules, subject, arguments)
     return None if why is None else why.answer

@@ -164,6 +164,9 @@ def test_why_not_knows_the_findings_in_launch_files(
         ("both.launch.xml:4", 0, "ambiguous_priority(/cmd_vel), warning"),
         ("sender.py:1", 0, "no finding at `sender.py:1`"),
         ("sendre.py:1", 2, "the launch files have no name `sendre.py`"),
+        ("cmd_vel", 0, "ambiguous_priority(/cmd_vel), warning"),
+        ("one", 0, "ambiguous_priority(/cmd_vel), warning"),
+        ("cmd_ve", 2, "has no module, node"),
         ("/cmd_ve", 2, "did you mean `/cmd_vel`?"),
     ],
 )
@@ -174,6 +177,14 @@ def test_subjects_of_launch_files(
     assert run_here(["explain", str(workspace), subject, "--quiet"]) == status
     output = capsys.readouterr()
     assert text in " ".join((output.err if status else output.out).split())
+
+
+def test_a_node_is_drawn_with_or_without_its_slash(workspace: Path, capsys: Captured) -> None:
+    drawn = []
+    for name in ("/one", "one"):
+        assert run_here(["draw", str(workspace), "--about", name, "--as", "mmd", "--quiet"]) == 0
+        drawn.append(capsys.readouterr().out)
+    assert drawn[0] == drawn[1] and "/one" in drawn[0]
 
 
 @pytest.mark.parametrize(
