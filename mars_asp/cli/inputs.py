@@ -335,7 +335,9 @@ def _print_settings(arguments: argparse.Namespace, folder: Path) -> None:
 
 def _nothing_in(path: str) -> Diagnostic:
     message = "the folder has nothing to read"
-    return Diagnostic("unreadable", "error", message, whole_file(path), help=ROBOTS)
+    workspace = workspace_of(path)
+    help_text = ROBOTS if workspace is None else f"name its workspace, `{workspace}`"
+    return Diagnostic("unreadable", "error", message, whole_file(path), help=help_text)
 
 
 class RobotFiles(NamedTuple):

@@ -204,8 +204,9 @@ def test_a_line_of_a_source_is_explained_within_its_workspace(
         assert run_here(["explain", named, "--quiet"]) == 0
         shown = text.replace("ws/", f"{Path.cwd()}/ws/") if named.startswith("/") else text
         assert shown in " ".join(capsys.readouterr().out.split())
-    assert run_here(["check", f"{workspace}/src/drive/drive/sender.py"]) == 2
-    assert "name its workspace, `ws`" in capsys.readouterr().out
+    for part in ("drive/sender.py", "drive"):
+        assert run_here(["check", f"{workspace}/src/drive/{part}"]) == 2
+        assert "name its workspace, `ws`" in capsys.readouterr().out
 
 
 def test_the_order_of_launch_files_changes_no_finding(workspace: Path, capsys: Captured) -> None:
