@@ -101,7 +101,7 @@ class Labelled(NamedTuple):
 
 
 def labelling(stage: str, listed: Sequence[tuple[Rule, Label]]) -> list[Fragment]:
-    """Return rules that derive the atoms that `labels` reads, for labels of the rules `listed`."""
+    """Return rules that derive the atoms that `labels` reads, from labels of the rules `listed`."""
     predicate = f"_label_{stage}"
     return [
         _made_of(

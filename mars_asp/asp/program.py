@@ -268,7 +268,7 @@ class Program:
 
 @dataclass(frozen=True)
 class Session:
-    """A program with memoized answers, for several questions."""
+    """Answers questions to a program; answers are memoized."""
 
     program: Program
     _answers: dict[tuple[object, ...], "Answer"] = field(default_factory=dict)

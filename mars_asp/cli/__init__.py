@@ -49,7 +49,7 @@ def run_here(words: Sequence[str]) -> int:
 
 
 def _without_double_dash(words: Sequence[str]) -> list[str]:
-    """Return the words without the first `--`, with `./` before later words that have a dash."""
+    """Return the words without the first `--`; later words with a dash begin with `./`."""
     if "--" not in words:
         return list(words)
     at = words.index("--")

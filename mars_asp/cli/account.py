@@ -15,7 +15,7 @@ _GAP = "   "
 
 
 def account_lines(topic: Topic, account: Account, width: int) -> Iterator[str]:
-    """Yield the lines of an account, its title first."""
+    """Yield the lines of a topic's account, its title first, wrapped at `width`."""
     severity = f", {topic.severity}" if topic.severity in ("warning", "error") else ""
     yield from explanation_lines(f"{topic.name}{severity}:", account, topic.rule, width)
     if topic.resolves:
@@ -24,7 +24,7 @@ def account_lines(topic: Topic, account: Account, width: int) -> Iterator[str]:
 
 
 def explanation_lines(of: str, account: Account, rule: str | None, width: int) -> Iterator[str]:
-    """Yield the lines of an explanation: the answer with its rule, lines of files, and notes."""
+    """Yield the lines of an explanation: the answer with its rule, cited lines, and notes."""
     ending = f"  [{rule}]" if rule else ""
     answer = (account.answer or "").rstrip(".")
     yield from wrapped(f"{of} {answer}.{ending}", width, "", FURTHER)

@@ -54,7 +54,7 @@ def run_alternatives(project: Project, arguments: argparse.Namespace, subject: s
 def alternatives_lines(
     found: Alternatives, arguments: argparse.Namespace, width: int
 ) -> Iterator[str]:
-    """Yield the needs, the costs and the alternatives, safe to print."""
+    """Yield the lines about certificate entries, costs and alternatives, safe to print."""
     return map(visible, _alternative_lines(found, arguments, width))
 
 
@@ -84,7 +84,7 @@ def _alternative_lines(
 
 
 def _head(found: Alternatives) -> str:
-    """Return the number of nodes, and why fewer do not suffice."""
+    """Return the sentence with the number of nodes, and why fewer do not suffice."""
     nodes, needs = found.nodes, len(found.needs)
     if not nodes:
         return "No node is needed."
@@ -106,7 +106,7 @@ def _head(found: Alternatives) -> str:
 
 
 def _needs_table(needs: Sequence[CertificateEntry], width: int) -> Iterator[str]:
-    """Yield the needs in columns where these are narrow enough, else the reasons below."""
+    """Yield certificate entries as a table if it fits into `width`, else as paragraphs."""
     rows = [_row(number, need) for number, need in enumerate(needs, 1)]
     margin = max((len(number) for number, *_ in rows), default=0)
     whats = max((cells(what) for _, what, _, _ in rows), default=0)
@@ -129,7 +129,7 @@ def _needs_table(needs: Sequence[CertificateEntry], width: int) -> Iterator[str]
 
 
 def _row(number: int, need: CertificateEntry) -> tuple[str, str, str, str]:
-    """Return the number of a need, the nodes that satisfy it, the reason and the clause."""
+    """Return the cells of a certificate entry: number, nodes, reason and clause."""
     # In a table names need no quotes.
     reasons = [(each.what.replace("`", ""), each) for each in need.reasons]
     if not reasons:
@@ -146,7 +146,7 @@ def _row(number: int, need: CertificateEntry) -> tuple[str, str, str, str]:
 
 
 def _levels(found: Alternatives) -> Iterator[str]:
-    """Yield the costs below the nodes, and how many other specifications cost the same."""
+    """Yield sentences on the costs below the nodes, and on specifications of equal cost."""
     if not found.levels:
         return
     resolution = found.synthesis.resolution
@@ -186,7 +186,7 @@ def _conversion_list(found: Alternatives) -> str:
 
 
 def _relationships(found: Alternatives) -> str:
-    """Return how the number of relationships is composed, in whole numbers that add up."""
+    """Return how the number of relationships is composed, in numbers that add up."""
     specification, declared = found.synthesis.specification, found.declared
     nodes = specification.nodes
     lines = [r for r in specification.configuration.relationships if isinstance(r, Data | Control)]
@@ -219,7 +219,7 @@ def _relationships(found: Alternatives) -> str:
 
 
 def _example(found: Alternatives, arguments: argparse.Namespace, width: int) -> Iterator[str]:
-    """Yield the command that shows why a need exists, and the clause that it will report."""
+    """Yield a `verify --without` command that shows a certificate entry, and its clause."""
     for need in found.needs[:_MOST_NEEDS]:
         for reason in need.reasons:
             if reason.why is not None and reason.lines and need.names:

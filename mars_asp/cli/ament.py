@@ -21,6 +21,6 @@ def run_ament(words: Sequence[str] | None = None) -> int:
 
 
 def check_words(xunit_file: str | None, further: Sequence[str]) -> list[str]:
-    """Return the words of `mars-asp` that write the result to a file, if one is given."""
+    """Return the words of `mars-asp check`; the result goes to `xunit_file` if one is named."""
     written = () if xunit_file is None else ("--format", "junit", "-o", xunit_file)
     return ["check", *written, *further]

@@ -87,14 +87,14 @@ def help_text() -> str:
 
 
 def _value_name(action: argparse.Action) -> str:
-    """Return the name of the value of an option; empty if it has none."""
+    """Return the name of an option's value in the help; "" if it has none."""
     if action.nargs == 0:
         return ""
     return action.metavar if isinstance(action.metavar, str) else "|".join(action.choices or ())
 
 
 def _beside(head: str, text: str, width: int, margin: int = 14) -> list[str]:
-    """Return the lines of a text to the right of a head, or below it if the head is too long."""
+    """Return lines with `text` to the right of `head`, or below a head wider than `margin`."""
     lines = textwrap.wrap(text, max(20, width - margin), break_on_hyphens=False)
     if len(head.rstrip()) >= margin:
         return [head, *(f"{'':<{margin}}{line}" for line in lines)]
@@ -108,7 +108,7 @@ class Parser(argparse.ArgumentParser):
     """
 
     def __init__(self, **settings: Any) -> None:
-        """Take the settings of argparse."""
+        """Create the parser with the settings of argparse."""
         super().__init__(**settings, allow_abbrev=False)
         #: The command of which help is shown, and the names of its common options.
         self.command: str | None = None
@@ -307,13 +307,13 @@ def add_output(parser: argparse.ArgumentParser, metavar: str = "OUT") -> None:
 
 
 def misuse(command: str, problem: str) -> int:
-    """Print why words of a command do not go together; return the exit status."""
+    """Print why words of a command contradict each other; return the exit status."""
     print(f"mars-asp {command}: {problem}", file=sys.stderr)
     return USAGE
 
 
 def rule_pack(given: str) -> str:
-    """Return a path as it is, or the folder of the installed pack if there is no such path."""
+    """Return an existing path unchanged, else the folder of the installed pack of this name."""
     if os.path.exists(given):  # noqa: PTH110 -- never raises
         return given
     from mars_asp.reasoning.packs import installed_pack
@@ -322,7 +322,7 @@ def rule_pack(given: str) -> str:
 
 
 def positive(text: str) -> float:
-    """Read a number above 0 of a command line."""
+    """Return the number in a text; an error unless it is above 0."""
     try:
         value = float(text)
     except ValueError:

@@ -49,7 +49,7 @@ class Baseline:
         self._left = Counter(entries)
 
     def takes(self, finding: Consequence | Diagnostic) -> bool:
-        """Whether an unused entry lists a finding; the entry is used up."""
+        """Whether an unused entry of the baseline lists a finding; then the entry is used up."""
         known = known_of(finding, self.path)
         if not self._left[known]:
             return False
@@ -93,7 +93,7 @@ def known_of(finding: Consequence | Diagnostic, baseline: str) -> BaselineEntry:
 
 @cache
 def _relative(path: str, baseline: str) -> str:
-    """Return a path relative to the folder of a baseline; names like `<stdin>` stay as they are."""
+    """Return a path relative to the baseline's folder; names like `<stdin>` stay unchanged."""
     if path.startswith("<"):
         return path
     folder = os.path.realpath(Path(baseline).parent)
@@ -110,7 +110,7 @@ def baseline_text(findings: Iterable[Consequence | Diagnostic], path: str) -> st
 
 
 def check_replaceable(path: str) -> None:
-    """Check that writing a baseline to a path replaces no other file.
+    """Raise MarsError if a path has a file that is neither empty nor a baseline.
 
     Raises:
         MarsError: a file is there that is neither empty nor a baseline.

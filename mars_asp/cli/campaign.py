@@ -61,7 +61,7 @@ def _positive_integer(text: str) -> int:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Carry out the missing runs; return 1 if a run did not pass or no specification exists."""
+    """Carry out the missing runs; return 1 if a run failed or no specification exists."""
     load_freely("mars_asp.execution.trial", "mars_asp.cli.campaign_runner")
     from mars_asp.cli.campaign_runner import hashes, job_of, needs_of
     from mars_asp.execution.campaign.journal import ended_run, header_of, in_order
@@ -101,7 +101,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _check_engine(arguments: argparse.Namespace) -> None:
-    """Check that the options do not contradict each other, and that a cluster can be used.
+    """Check that the options are consistent, and that a requested cluster can be used.
 
     Raises:
         MarsError: Dask is not installed, two engines are requested, or `--fresh` has no file.
@@ -126,10 +126,10 @@ def _check_engine(arguments: argparse.Namespace) -> None:
 
 
 def _grid(arguments: argparse.Namespace, text: str, path: Path) -> "Grid":
-    """Return the requested runs.
+    """Return the requested runs: all combinations of seeds and varied values.
 
     Raises:
-        MarsError: the scenario, a varied value or an option is wrong; has all wrong values.
+        MarsError: the scenario, a varied value or an option is wrong.
     """
     from mars_asp.execution.campaign.grid import MOST_RUNS, Grid
     from mars_asp.execution.scenario.read import read_scenario
@@ -156,7 +156,7 @@ def _grid(arguments: argparse.Namespace, text: str, path: Path) -> "Grid":
 
 
 def _journal(header: bytes, arguments: argparse.Namespace) -> "Journal":
-    """Return the runs that the output file already contains.
+    """Return the runs in the output file, if it exists.
 
     Raises:
         MarsError: the file is not a regular one, or is of another campaign.
@@ -192,7 +192,7 @@ def _outcomes(
 
 
 def _of_run(run: "Run", problems: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
-    """Yield problems, each with the run that it prevented."""
+    """Yield errors for problems that prevented a run, each naming the run."""
     from mars_asp.execution.scenario.vary import written_change
 
     changes = [written_change(key, value) for key, value in run.changes.items()]
@@ -203,7 +203,7 @@ def _of_run(run: "Run", problems: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
 
 
 class Progress:
-    """The progress of a campaign."""
+    """The number of finished and of passed runs of a campaign."""
 
     def __init__(self, grid: "Grid", ended: "Mapping[str, FinishedRun]", missing: int) -> None:
         from mars_asp.execution.campaign.summary import share_passed
@@ -215,7 +215,7 @@ class Progress:
         self.first: tuple[int, float] | None = None
 
     def take(self, ended: "FinishedRun") -> None:
-        """Count a run that has ended."""
+        """Count a finished run."""
         from mars_asp.execution.campaign.summary import Share, share_passed
 
         more = share_passed([ended.result])
@@ -276,7 +276,7 @@ def _finish(
 
 
 def _command(result: Mapping[str, Any], arguments: argparse.Namespace) -> str:
-    """Return the command that repeats a run."""
+    """Return the `mars-asp run` command that repeats a run of the campaign."""
     from mars_asp.execution.scenario.vary import written_change
 
     words = ["--scenario", arguments.scenario, "--seed", str(result["seed"])]

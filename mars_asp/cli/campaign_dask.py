@@ -112,7 +112,7 @@ def _outcomes(
 
 
 def _outcome(future: "Future[Any]", shown: str) -> RunOutcome | None:
-    """Return the outcome of a run, or None if its workers were lost."""
+    """Return the outcome of a run, None if its workers died; MarsError if the cluster is lost."""
     from distributed import KilledWorker
 
     if future.status in ("cancelled", "lost"):
@@ -132,7 +132,7 @@ def _outcome(future: "Future[Any]", shown: str) -> RunOutcome | None:
 
 
 def _task() -> Callable[[str, bytes, tuple[Any, ...]], RunOutcome | None]:
-    """Return the worker's function; its body imports mars-asp, which the scheduler may lack."""
+    """Return the function for workers, which imports mars-asp as the scheduler may lack it."""
 
     def carry_out(version: str, job: bytes, run: tuple[Any, ...]) -> RunOutcome | None:
         from mars_asp.cli.campaign_dask import carry_out_here
@@ -149,9 +149,10 @@ _here = threading.local()
 
 
 def carry_out_here(version: str, job: bytes, run: tuple[Any, ...]) -> RunOutcome | None:
-    """Carry out a run in the server of this thread.
+    """Return the outcome of a run in the server of this thread.
 
-    Return None if the run is no longer wanted, or if the server was lost twice.
+    The result is None if the run is no longer wanted, or if the server was lost twice. The client
+    and the worker need the same `version`.
     """
     from distributed import get_worker
 

@@ -108,7 +108,7 @@ def job_of(
     code: Mapping[str, bytes],
     arguments: argparse.Namespace,
 ) -> Job:
-    """Return the values that all runs share."""
+    """Return the values that all runs share; `text` is the scenario, `code` the Python files."""
     most = memory_limit(arguments)
     if most is not None and arguments.memory_limit is None:
         # All workers share the available memory.
@@ -123,7 +123,7 @@ def job_of(
 def hashes(
     project: Project, text: str, code: Mapping[str, bytes], arguments: argparse.Namespace
 ) -> tuple[str, str]:
-    """Return the digests of a configuration with sources and rules, and of a scenario with code."""
+    """Return digests of the configuration, sources and packs, and of the scenario with its code."""
     configuration = project.configuration
     spans = [
         *(name.span for name in configuration.modules),
@@ -149,7 +149,7 @@ class Runs:
     """Carries out runs of a job; the scenario of each cell is read once."""
 
     def __init__(self, job: Job, root: str = "") -> None:
-        """Import and warm up before forks; results omit `root`, a prefix of the paths of a job."""
+        """Prepare for forks; results omit `root`, a prefix of the paths of a job."""
         self._job, self._root = job, root.encode()
         self._scenarios: dict[str, Scenario] = {}
         for name in _PRELOADED:
@@ -163,7 +163,7 @@ class Runs:
     def outcomes(
         self, runs: Iterable[Run], workers: int, watched: Sequence[int] = ()
     ) -> Generator[tuple[Run, RunOutcome]]:
-        """Yield runs with their outcomes as they end; `workers` are carried out at a time.
+        """Yield runs with their outcomes as they end, `workers` of them in parallel.
 
         The runs are ended when one of the `watched` pipes is closed.
         """
@@ -239,7 +239,7 @@ class Runs:
 
 
 def _warm_up(rulebook: Rulebook) -> None:
-    """Fill caches by a run of built-in behaviours that is judged."""
+    """Perform and judge a run of built-in behaviours, which fills caches before forks."""
     robot = "@specification\n@modules P, C\nP is_controlled_by C\n"
     world = "walls = [[[900, -900], [900, 900]]]\nscatter.count = 3"
     hand = 'kind = "joystick"\nscript = [[0, "Trans_Z", 200], [0.5, "Rotn_Y", 20]]'
@@ -250,7 +250,7 @@ def _warm_up(rulebook: Rulebook) -> None:
 
 
 def _unfinished(scenario: Scenario, verdict: str, error: str) -> dict[str, object]:
-    """Return the result of a run that was ended early: the keys of `run`, and the error."""
+    """Return the result of a run that ended early, with the keys of `run` and the error."""
     return {
         "verdict": verdict,
         "requirements": [],
@@ -276,7 +276,7 @@ def serve_runs() -> None:
 
 
 def _begin(stack: ExitStack, given: int, raw: bytes) -> Callable[[Run], RunOutcome]:
-    """Unpack a job; return the function that carries out one of its runs."""
+    """Unpack a job, and return the function that carries out a run; `stack` removes files."""
     job: Job = pickle.loads(raw)
     root = ""
     if job.files is not None:
@@ -294,7 +294,7 @@ def _begin(stack: ExitStack, given: int, raw: bytes) -> Callable[[Run], RunOutco
 
 
 def _unpacked(job: Job, root: str) -> Job:
-    """Write the files of a job below the folder `root`; return the job with paths inside it."""
+    """Write the files of a job below `root`, and return the job with these paths."""
 
     def moved(path: str) -> str:
         return f"{root}{path}" if path.startswith("/") else path

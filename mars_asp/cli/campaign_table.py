@@ -34,7 +34,7 @@ _SHOWN = (5, 50, 95)
 def print_table(
     results: Sequence[_Result], commands: Sequence[Mapping[str, Any]], stream: TextIO
 ) -> None:
-    """Print the table of results; `commands` repeat the worst runs."""
+    """Print the shares and the worst runs; `commands` has the commands that repeat these."""
     for line in _shares_table(results, columns(stream)):
         print(line, file=stream)
     shown = worst(results)
@@ -116,7 +116,7 @@ def _spread_text(spread: Spread, unit: str) -> str:
 
 
 def _aligned(rows: Sequence[tuple[str, str, str]]) -> Iterator[str]:
-    """Yield the lines of a table; a name is omitted if the line above has the same."""
+    """Yield the lines of a table with aligned columns; a repeated name is omitted."""
     names = max((width_of(visible(name)) for _, name, _ in rows), default=0)
     labels = max((width_of(visible(label)) for label, _, _ in rows), default=0)
     before = None
@@ -132,13 +132,13 @@ def _filled(text: str, width: int) -> str:
 
 
 def _label(cell: Cell, fixed: Mapping[str, Any]) -> str:
-    """Return the values that distinguish a cell from the others, or a dash if there are none."""
+    """Return the values that distinguish a cell (those not in `fixed`), or a dash without any."""
     declared = (written_change(*each) for each in cell.vary.items() if each[0] not in fixed)
     return ", ".join(declared) or "-"
 
 
 def _result_text(result: _Result) -> str:
-    """Return the seed and the changes of a run, with its outcome."""
+    """Return the seed, the changed values and the outcome of a run."""
     named = [f"seed {result['seed']}", *(written_change(*each) for each in result["vary"].items())]
     violated = [r["name"] for r in result["requirements"] if r["holds"] is False]
     undecided = [r["name"] for r in result["requirements"] if r["holds"] is None]

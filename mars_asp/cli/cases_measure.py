@@ -25,9 +25,9 @@ _Measured: TypeAlias = tuple[list[str], dict[str, object]]
 def measured(
     found: Sequence[FoundCase], books: Mapping[Path | None, Rulebook], arguments: argparse.Namespace
 ) -> tuple[Mapping[str, object], Sequence[str], int]:
-    """Return the requested coverage and mutants of the rules of each pack, as JSON and as lines.
+    """Return the coverage and mutants of the rules of each pack as JSON, as lines, and the status.
 
-    The last value is 1 if a rule or a mutant is missed.
+    The status is 1 if a rule or a mutant is missed. `books` has the rules of each pack.
     """
     requested = {"coverage": arguments.coverage, "mutants": arguments.mutate}
     result: dict[str, list[dict[str, object]]] = {name: [] for name in requested if requested[name]}

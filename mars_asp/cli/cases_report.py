@@ -15,7 +15,7 @@ from mars_asp.output import counted, visible
 
 
 class CaseFileResult(NamedTuple):
-    """A case file that was run: its outcome, or the problems of reading it, and the seconds."""
+    """The result of a case file, or the problems of reading it, and the seconds it took."""
 
     path: Path
     outcome: Outcome | None
@@ -80,7 +80,7 @@ def _failure_json(failure: Failure) -> dict[str, object]:
 
 
 def junit(ran: Iterable[CaseFileResult]) -> bytes:
-    """Return outcomes as JUnit XML, one suite a folder; control characters are escaped."""
+    """Return outcomes as JUnit XML, one suite for each folder."""
     folders: dict[str, list[CaseFileResult]] = {}
     for each in ran:
         folders.setdefault(str(each.path.parent), []).append(each)

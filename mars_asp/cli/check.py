@@ -132,7 +132,7 @@ def _show_changes(checked: Sequence[Checked], arguments: argparse.Namespace, sta
 
 
 def _conflict_of_options(arguments: argparse.Namespace) -> str | None:
-    """Return why options contradict each other, or None if they do not."""
+    """Return the message that options contradict each other, or None."""
     if arguments.stdin_filename and STANDARD_INPUT not in arguments.files:
         return "--stdin-filename names the text of `-`: add `-`"
     if arguments.diff and (arguments.format not in TEXT_FORMATS or arguments.statistics):
@@ -195,7 +195,7 @@ def _are_of_settings(error: MarsError, arguments: argparse.Namespace) -> bool:
 
 
 def _each_once(names: Iterable[str]) -> list[str]:
-    """Return the names of files, each file once by its first name."""
+    """Return the names without those of files that an earlier name has as well."""
     first: dict[str, str] = {}
     for name in names:
         first.setdefault(name if name == STANDARD_INPUT else os.path.realpath(name), name)
@@ -211,7 +211,7 @@ def _check(
     edited: dict[object, tuple[str, bytes]],
     seen: "_Seen",
 ) -> None:
-    """Read and judge a robot, from standard input if `is_input`.
+    """Read and judge the robot `one`, from standard input if `is_input`.
 
     Raises:
         MarsError: its files or sources are wrong.
@@ -234,9 +234,10 @@ def judge(
     seen: "_Seen" = lambda project, analysis: None,
     with_participants: bool = False,
 ) -> None:
-    """Add the results about a robot; with `--fix`, apply repairs as `_fix` does.
+    """Add the findings in a project to `one`; with `--fix`, apply repairs as `_fix` does.
 
-    `raw` is the content of standard input if it was read.
+    `raw` is the content of standard input if it was read. `rules` loads the rules of stages,
+    `edited` is that of `_fix`, and `seen` is called with the analysis.
 
     Raises:
         MarsError: rule packs, settings or a baseline are wrong.
@@ -294,7 +295,7 @@ def _sole_repairs(
 
 
 def _with_suggestions(results: Iterable[Result], sole: "Iterable[Repair]") -> Iterator[Result]:
-    """Yield results; findings with exactly one repair get it as their suggestion."""
+    """Yield results; the findings of the repairs `sole` get them as suggestions."""
     mends = {(r.consequence.spans, r.consequence.message): r.mends[0] for r in sole}
     for each in results:
         found = each.consequence

@@ -70,7 +70,7 @@ class Checked:
     instances: Mapping[str, str] = field(default_factory=dict)
 
     def append_results(self, results: Iterable[Result]) -> None:
-        """Append results and count them."""
+        """Append results, and count them by severity."""
         for each in results:
             self.results.append(each)
             if each.hidden is None:
@@ -136,7 +136,7 @@ def _unhidden(checked: Sequence[Checked], remarks: Iterable[Result]) -> list[Res
 def _diagnostic_text(
     results: Iterable[Result], arguments: argparse.Namespace, stream: object
 ) -> Iterator[str]:
-    """Yield the lines of results for a stream."""
+    """Yield the lines of results in the text format that is requested."""
     isatty = getattr(stream, "isatty", None)
     on_terminal = bool(isatty and isatty())
     is_full = _is_full(arguments)
@@ -161,7 +161,7 @@ def _statistics(results: Iterable[Result]) -> Iterator[str]:
 
 
 def _is_full(arguments: argparse.Namespace) -> bool:
-    """Whether text has quoted lines and help."""
+    """Whether text output has quoted lines and help."""
     if arguments.format == "text":
         return arguments.output is None and sys.stdout.isatty()
     return bool(arguments.format == "full")
@@ -224,7 +224,7 @@ def _summary_sentences(
 
 
 def left_out_text(number: int) -> str:
-    """Return the sentence on repairs that do not go together with those that were applied."""
+    """Return the sentence on repairs that are incompatible with the applied ones."""
     was, they = ("was", "it does") if number == 1 else ("were", "they do")
     return f"{counted(number, 'repair')} {was} left out, as {they} not go together with the others"
 

@@ -13,7 +13,7 @@ _LISTS = frozenset({"--select", "--ignore"})
 
 
 class _Option(NamedTuple):
-    """An option: its names, its help, whether a value follows, and the possible values."""
+    """An option: its names, its help, whether it takes a value, and the possible values."""
 
     names: tuple[str, ...]
     about: str
@@ -72,7 +72,7 @@ def _options_of(actions: Iterable[argparse.Action]) -> Iterator[_Option]:
 
 @cache
 def _kinds() -> str:
-    """Return the kinds of built-in findings and the codes of warnings on reading, with blanks."""
+    """Return kinds of built-in findings and codes of warnings, separated by blanks."""
     from mars_asp.cli.input_codes import ignorable_codes
     from mars_asp.reasoning.findings import consequence_kinds
     from mars_asp.reasoning.rules import STAGES, load_rulebook
@@ -160,7 +160,7 @@ def _fish(verbs: tuple[_CommandWords, ...]) -> str:
 
 
 def _fill_frame(shell: str, **parts: str | Sequence[str]) -> str:
-    """Return the script for a shell: its frame, with a text or lines in the place of each name."""
+    """Return the completion script of a shell, in which `parts` replace `@name@`."""
     text = (files(__package__) / f"completion.{shell}").read_text(encoding="utf-8")
     for name, part in parts.items():
         text = text.replace(f"@{name}@", part if isinstance(part, str) else "\n".join(part))

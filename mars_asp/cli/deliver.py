@@ -34,7 +34,7 @@ _sending = threading.Lock()
 
 
 class OutputFile(NamedTuple):
-    """A file to write; `read` is the old content if the file is to be replaced."""
+    """A file to write; `read` is its expected old content if it is to be replaced."""
 
     path: str
     content: bytes
@@ -42,7 +42,7 @@ class OutputFile(NamedTuple):
 
 
 def write_file(path: str, content: str | bytes) -> None:
-    """Write a file, in a worker after the command has ended.
+    """Write a file; a worker's files are written after the command has ended.
 
     Raises:
         OSError: the file cannot be written.
@@ -80,7 +80,7 @@ def replace_files(files: Sequence[tuple[str, bytes, bytes]]) -> None:
 
 
 def grow_file(path: str, kept: int, size: int) -> None:
-    """Begin to write lines to a file, after the first `kept` of its `size` bytes.
+    """Open a file to append lines after its first `kept` bytes, of `size`.
 
     The file is locked until `write_file` replaces it, or the command ends.
 
@@ -97,7 +97,7 @@ def grow_file(path: str, kept: int, size: int) -> None:
 
 
 def add_line(line: bytes) -> None:
-    """Write a line to the file that grows, at once.
+    """Append a line to the file of `grow_file` at once.
 
     Raises:
         OSError: the line cannot be written.
@@ -109,7 +109,7 @@ def add_line(line: bytes) -> None:
 
 
 def write_closing(text: str) -> None:
-    """Write text to standard error, after everything that goes to standard output."""
+    """Write text to standard error, after all output to standard output."""
     if _pipe is not None:
         _send("closing", text)
         return
@@ -118,7 +118,7 @@ def write_closing(text: str) -> None:
 
 
 def end_growing() -> None:
-    """Close the file that grows, if there is one."""
+    """Close the file of `grow_file`, if one is open."""
     global _growing  # noqa: PLW0603 -- there is one
     if _growing is not None:
         _growing.close()
@@ -126,7 +126,7 @@ def end_growing() -> None:
 
 
 def file_key(path: str) -> object:
-    """Return the identity of a file, whatever its name; None if it is not a regular file."""
+    """Return a key that is equal for all paths of a file, None if it is not a regular file."""
     try:
         status = os.stat(path)  # noqa: PTH116 -- a path that may be no text
     except (OSError, ValueError):
@@ -135,13 +135,13 @@ def file_key(path: str) -> object:
 
 
 def begin_outputs() -> None:
-    """Clear the files that were read and written, at the start of a command."""
+    """Forget the files that were read and written, at the start of a command."""
     files_read.clear()
     _claimed.clear()
 
 
 def _check_unread(path: str) -> object:
-    """Return the identity of an output.
+    """Return the key of an output; MarsError if the file was read as an input.
 
     Raises:
         MarsError: the file was read as an input.
@@ -154,7 +154,7 @@ def _check_unread(path: str) -> object:
 
 
 def _claim(path: str) -> None:
-    """Register an output.
+    """Register an output; MarsError if it was read as an input or is another output.
 
     Raises:
         MarsError: the file was read as an input, or is another output.
@@ -167,7 +167,7 @@ def _claim(path: str) -> None:
 
 @contextmanager
 def streamed(path: str) -> Iterator[io.BufferedIOBase | AtomicFile]:
-    """Yield a file that is written to the disk in parts, and appears when the block has ended.
+    """Yield a file to write in parts, which appears under `path` after the block.
 
     In a worker it appears after the command has ended. If the block raises, it never appears.
 
@@ -214,7 +214,7 @@ class _Text(io.TextIOWrapper):
 
 
 class _MessageStream(io.RawIOBase):
-    """A stream that sends its data, each piece as a message that begins with the same values."""
+    """A stream that sends each piece of data as a message that begins with given values."""
 
     def __init__(self, *head: str, is_terminal: bool = False) -> None:
         self._head, self._is_terminal, self._size = head, is_terminal, 0
@@ -236,7 +236,7 @@ class _MessageStream(io.RawIOBase):
 
 
 def runs_code_of(paths: Iterable[str]) -> None:
-    """Send the paths of the user's files whose code runs next, as it may end the worker."""
+    """Send the paths of user files whose code runs next, and may end the worker."""
     if _pipe is not None:
         _send("code", tuple(paths))
 
@@ -263,7 +263,7 @@ def _send(*message: object) -> None:
 
 
 class WorkerOutput:
-    """The messages of a worker; `status` is None until the last one has arrived.
+    """The messages of a worker; `status` is its exit status, None until it arrives.
 
     `code` are the files of the user whose code the worker runs.
     """
@@ -333,18 +333,18 @@ class WorkerOutput:
             self._unwritten[path] = error
 
     def _replace(self, path: str) -> None:
-        """Put a file that arrived in parts in its place."""
+        """Move a file that arrived in parts to its path."""
         if path in self._unwritten:
             raise self._unwritten[path]
         self._begun[path].replace()
 
     def drop(self) -> None:
-        """Remove the files in parts that were not delivered."""
+        """Remove the partial files that were not delivered."""
         for begun in self._begun.values():
             begun.drop()
 
     def deliver(self) -> int:
-        """Write files, then standard output; return the exit status.
+        """Write the files, then standard output, and return the exit status.
 
         Raises:
             BrokenPipeError: the reader of standard output is gone.

@@ -31,7 +31,7 @@ _TAB = 4
 
 
 class Suggestion(NamedTuple):
-    """The one repair of a finding: its message, the changed lines, and new warnings."""
+    """The only repair of a finding: its message, edited lines, and new warnings."""
 
     message: str
     edits: "tuple[LineEdit, ...]"
@@ -42,7 +42,7 @@ _NO_SUGGESTIONS: Mapping[Diagnostic, Suggestion] = MappingProxyType({})
 
 
 def paint(text: str, style: str, coloured: bool) -> str:
-    """Return a text in a style if `coloured`, else the text."""
+    """Return a text with terminal colours of a style, or unchanged unless `coloured`."""
     return f"\x1b[{_CODES[style]}m{text}\x1b[0m" if coloured else text
 
 
@@ -109,7 +109,7 @@ def report(
 
 
 def suggestion_lines(suggestion: Suggestion | None, width: int) -> Iterator[str]:
-    """Yield the lines that show the one repair of a finding; none without a suggestion."""
+    """Yield the lines that show the repair of a finding, none for None."""
     if suggestion is not None:
         yield from wrapped(visible(suggestion.message), width, f"{_INSIDE}fix: ", f"{_INSIDE}     ")
         for edit in suggestion.edits:
@@ -230,7 +230,7 @@ def finding_lines(
 
 
 class _QuotedLine(NamedTuple):
-    """A line as it is shown, the columns before the marked range, and the width of the range."""
+    """A line to show; `before` is the width before the marked range, `marked` that of the range."""
 
     text: str
     before: int
@@ -276,7 +276,7 @@ def _mark(
     coloured: bool,
     width: int,
 ) -> Iterator[str]:
-    """Yield the marks under a quoted line, and the label beside them, or below if it is long."""
+    """Yield the marks under a quoted line, with the label beside or below them."""
     style = severity if is_first else "note"
     gutter = paint(f"{_INSIDE}{' ' * margin} |", "dim", coloured)
     marks = paint(("^" if is_first else "-") * line.marked, style, coloured)

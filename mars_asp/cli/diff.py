@@ -77,7 +77,7 @@ def _resolves(change: Change[IntroducedNode], found: Difference) -> tuple[str, .
 
 
 def difference_lines(found: Difference, coloured: bool, quiet: bool, width: int) -> Iterator[str]:
-    """Yield the lines of a difference: consequences, nodes, and the costs unless `quiet`."""
+    """Yield the lines of a difference: consequences, nodes, and costs unless `quiet`."""
     for change in found.consequences:
         consequence = change.item
         word = paint(f"{change.how} {consequence.kind}", consequence.severity, coloured)

@@ -86,7 +86,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def drawn(project: "Project", kind: str, arguments: argparse.Namespace) -> str | bytes:
-    """Return the diagram of a project in one of the formats.
+    """Return the diagram of a project in the format `kind`.
 
     Raises:
         MarsError: `--about` names no module, or the diagram is too large.
@@ -96,7 +96,7 @@ def drawn(project: "Project", kind: str, arguments: argparse.Namespace) -> str |
 
 
 def _part(project: "Project", is_painted: bool, arguments: argparse.Namespace) -> "Picture":
-    """Return the requested part of a picture, with a remark on the parts left out.
+    """Return the part of a diagram that `--about` requests, with a remark on omitted parts.
 
     Raises:
         MarsError: `--about` names no module.
@@ -127,7 +127,7 @@ def _part(project: "Project", is_painted: bool, arguments: argparse.Namespace) -
 
 
 def _box_and_port(written: str, picture: "Picture", project: "Project") -> tuple[str, str | None]:
-    """Return the names of a box and of its requested port, as a configuration writes them.
+    """Return the shown names of a box and its port, None without a port, for `MODULE.PORT`.
 
     Raises:
         MarsError: there is no module or port of that name.
@@ -170,7 +170,7 @@ def _depth(text: str) -> int:
 
 
 def relationship_kinds(text: str) -> "frozenset[LineKind]":
-    """Read kinds of relationships, with commas between them."""
+    """Return the kinds of relationships in a text like `data,control`."""
     words = [word.strip() for word in text.split(",") if word.strip()]
     unknown = [word for word in words if word not in _KINDS]
     if unknown or not words:

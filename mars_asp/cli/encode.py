@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterable
 
 
 class _Written(str):
-    """Text that is JSON already."""
+    """Text that is already encoded as JSON."""
 
     __slots__ = ()
 
 
 def encoded(value: object) -> str:
-    """Return a value of dictionaries, lists and plain values as JSON; traces may be very deep."""
+    """Return a value as JSON text; it may be nested very deeply."""
     try:
         return json.dumps(value)
     except RecursionError:

@@ -21,7 +21,7 @@ _Patterns = tuple[Path, GitIgnoreSpec]
 
 
 class Excluded:
-    """Decides which paths below a folder are passed over; each file of patterns is read once."""
+    """Decides which paths below a folder are skipped."""
 
     def __init__(self, root: Path, more: Sequence[tuple[Path, Sequence[str]]] = ()) -> None:
         """Store the folder, and further patterns with the folders that they are relative to.
@@ -36,7 +36,7 @@ class Excluded:
         self._besides = tuple(each for each in patterns if not self._names_root(each))
 
     def __call__(self, path: Path, is_folder: bool) -> bool:
-        """Whether a path, which may be a folder, is passed over."""
+        """Whether to skip a path; `is_folder` is whether it is a folder."""
         is_given = path.is_relative_to(self._given)
         whole = self._root / path.relative_to(self._given) if is_given else path
         written = f"{whole.as_posix()}{'/' * is_folder}"
@@ -49,7 +49,7 @@ class Excluded:
         return False
 
     def _of_git(self, folder: Path) -> tuple[_Patterns, ...]:
-        """Return the patterns of git for the paths in a folder, the innermost last."""
+        """Return the patterns of `.gitignore` files that apply in a folder, the innermost last."""
         if folder not in self._read:
             is_top = _is_git_root(folder) or folder == folder.parent
             is_read = self._is_in_git or folder.is_relative_to(self._root)
@@ -99,7 +99,7 @@ def _is_pattern(line: str) -> bool:
 def excluded_in(
     arguments: argparse.Namespace, root: Path, settings_folder: Path | None = None
 ) -> Excluded:
-    """Return the exclusions in a folder, by the settings of `settings_folder` or of the folder.
+    """Return the exclusions below `root`, by options and by the settings for the folder.
 
     Raises:
         MarsError: the settings of the folder are wrong.
@@ -111,7 +111,7 @@ def excluded_in(
 
 
 def _anchored(pattern: str) -> str:
-    """Return a pattern as in `.gitignore`: `./packs` and absolute paths become anchored ones."""
+    """Return a pattern in the form of `.gitignore`; absolute and `./` paths become anchored."""
     if pattern.startswith("./"):
         return pattern[1:]
     here = f"{Path.cwd()}/"

@@ -173,7 +173,7 @@ class Explained(NamedTuple):
 
 
 def explained(project: Project, subject: str | None, arguments: argparse.Namespace) -> Explained:
-    """Return why each consequence and node exists, or those that `subject` names.
+    """Return why each consequence and node exists, or only those that `subject` names.
 
     Raises:
         MarsError: the subject names nothing, or rules, settings or a baseline are wrong.
@@ -219,7 +219,7 @@ def explained(project: Project, subject: str | None, arguments: argparse.Namespa
 
 
 def _among_topics(answer: Explanation, topics: Sequence[Topic]) -> tuple[Consequence, ...]:
-    """Return the consequences that are among the topics."""
+    """Return the consequences that are topics of an explanation."""
     atoms = {topic.atom for topic in topics}
     return tuple(each for each in answer.analysis.consequences if each.atom in atoms)
 
@@ -304,7 +304,7 @@ def _no_finding(
     of: str,
     arguments: argparse.Namespace,
 ) -> str | None:
-    """Return that no finding is about a subject, or None if findings do not have such subjects.
+    """Return the sentence that no finding is about a subject; None for other subjects.
 
     Raises:
         MarsError: `subject` is a node, topic or file name that the launch files do not have.
@@ -354,7 +354,7 @@ def _reported(
 
 
 def _resting(answer: Explanation, lines: Sequence[Span]) -> Iterator[Topic]:
-    """Yield the topics that cite one of some lines."""
+    """Yield the topics that cite one of the lines."""
     wanted = {(span.path, span.line) for span in lines}
     for topic in answer.topics:
         cites = () if topic.account is None else topic.account.cites
@@ -375,7 +375,7 @@ def _absent(reasoner: Reasoner, answer: Explanation, only: Sort | None) -> Seque
 
 
 def _rule_or_kind(arguments: argparse.Namespace) -> str | None:
-    """Return the text about a rule or a kind that is named alone, if there is no such file."""
+    """Return the text on the only argument, if it is a rule or kind and not a file, or None."""
     name, *further = arguments.files
     is_alone = arguments.subject is None and not further and name != STANDARD_INPUT
     if not is_alone or Path(name).exists():
@@ -386,7 +386,7 @@ def _rule_or_kind(arguments: argparse.Namespace) -> str | None:
 
 
 def _split_location(arguments: argparse.Namespace) -> None:
-    """Split `FILE:LINE` or `FILE:LINE:COLUMN`, the form of `check`, into a file and a subject."""
+    """Change `FILE:LINE` or `FILE:LINE:COLUMN` in the arguments into file and subject."""
     name, *further = arguments.files
     match = re.fullmatch(r"(.+?):([0-9]+)(?::[0-9]+)?", name)
     if match is None or further or arguments.subject is not None or Path(name).exists():
@@ -404,7 +404,7 @@ def _split_location(arguments: argparse.Namespace) -> None:
 
 
 def _place(subject: str, arguments: argparse.Namespace) -> str:
-    """Return `FILE:LINE` with the path that spans have; any other subject as it is."""
+    """Return `FILE:LINE` with the path as in locations; other subjects unchanged."""
     match = _LINE.fullmatch(subject)
     if match is None:
         return subject
@@ -416,7 +416,7 @@ def _place(subject: str, arguments: argparse.Namespace) -> str:
 
 
 def _is_file(word: str, files: Sequence[str]) -> bool:
-    """Whether a word names a file or, unless a `.mars` file is before it, a folder."""
+    """Whether a word names a file, or a folder unless `files` has a `.mars` file before it."""
     if word == STANDARD_INPUT or Path(word).is_file():
         return True
     is_folder = word != "" and Path(word).is_dir()
@@ -424,7 +424,7 @@ def _is_file(word: str, files: Sequence[str]) -> bool:
 
 
 def _contradiction(arguments: argparse.Namespace) -> str | None:
-    """Return the conflict between options, or None if there is none."""
+    """Return the message that options contradict each other, or None."""
     has_subject = arguments.subject is not None
     if has_subject and arguments.about is not None:
         return "SUBJECT and --about mean the same: give one of them"
@@ -471,7 +471,7 @@ def why_not_answer(reasoner: Reasoner, atom: str, depth: int | None = ABSENCE_DE
 
 
 def _misplaced_words(arguments: argparse.Namespace) -> str | None:
-    """Return the error of a subject before the only file, or of a second subject, or None."""
+    """Return the error that a subject precedes the file, or is a second one, or None."""
     # A word with a suffix may be the path of a file that is missing.
     words = [
         each
@@ -489,7 +489,7 @@ def _misplaced_words(arguments: argparse.Namespace) -> str | None:
 
 
 def _levels(depth: int | None) -> int:
-    """Return how many levels of rules are searched for a depth."""
+    """Return the number of levels of rules to search for a `--depth`."""
     return _MOST_LEVELS if depth is None else 2 * depth
 
 
@@ -531,7 +531,7 @@ def _why_no_finding(
     subject: str,
     arguments: argparse.Namespace,
 ) -> "WhyNot | None":
-    """Return why the launch files have no such finding, or None if `subject` is not a finding."""
+    """Return why the launch files lack such a finding, None if `subject` is not a finding."""
     from mars_asp.reasoning.questions.why_no_finding import why_no_finding
 
     levels = _levels(getattr(arguments, "depth", ABSENCE_DEPTH))
@@ -539,7 +539,7 @@ def _why_no_finding(
 
 
 def _of_line(answer: str, relationship: RelationshipQuery) -> str:
-    """Return an answer about an atom as one about the relationship of the same meaning."""
+    """Return an answer about an atom with the atom replaced by the relationship."""
     reason = answer.removeprefix(f"No {relationship.atom}: ")
     if reason != answer:
         return f"{reason[:1].upper()}{reason[1:]}"
@@ -549,7 +549,7 @@ def _of_line(answer: str, relationship: RelationshipQuery) -> str:
 def why_not_paragraphs(
     answer: "WhyNot", arguments: argparse.Namespace, format: str | None
 ) -> Iterator[Sequence[str]]:
-    """Yield the lines of an answer, its evidence, the change that gives the atom, and commands."""
+    """Yield groups of lines: answer, evidence, the change that gives the atom, commands."""
     width = columns(sys.stdout)
 
     def below(text: str) -> Sequence[str]:

@@ -133,7 +133,7 @@ class _Sources:
         return visible(path.removeprefix(folder + slash))
 
     def cite(self, path: str, line: int) -> str | None:
-        """Return the id of a line in the report, or None if the file has no such line."""
+        """Register a line to show, and return its id; None if the file has no such line."""
         self.name(path)
         if not 0 < line <= len(self._lines[path]):
             return None
@@ -147,7 +147,7 @@ class _Sources:
         return shown if line is None else f'<a class="place" href="#{line}">{shown}</a>'
 
     def sections(self) -> Iterator[str]:
-        """Yield the files with their lines."""
+        """Yield the HTML of each file with its lines."""
         for path, number in self._numbers.items():
             lines = self._lines[path]
             name, cited = escape(self.name(path)), self._cited[path]
@@ -167,7 +167,7 @@ class _Sources:
 
 
 def _counts(severities: Mapping[str | None, int]) -> str:
-    """Return the numbers of errors and warnings, each with a sign."""
+    """Return the HTML with the numbers of errors and warnings."""
     counts = [
         f'<span class="{severity}"><span class="severity">{sign} '
         f"{counted(severities[severity], severity)}</span></span>"
@@ -201,7 +201,7 @@ class _Topics(NamedTuple):
     sources: _Sources
 
     def sections(self, headings: Mapping[str, tuple[str, ...]]) -> Iterator[str]:
-        """Yield a section for each heading that has topics."""
+        """Yield the HTML section of each heading for which there are topics."""
         resolved: dict[str, list[str]] = {}
         for topic in self.topics:
             for name in topic.resolves:
@@ -312,7 +312,7 @@ def _is_untraced(topic: Topic) -> bool:
 
 
 def _question(absent: Sequence[Absence], module_numbers: Mapping[str, int]) -> str:
-    """Return the form for questions why something is absent; a script answers them."""
+    """Return the HTML form to choose a kind and a module, or "" if nothing is `absent`."""
     if not absent:
         return ""
     kinds = list(dict.fromkeys(each.kind for each in absent))
@@ -402,10 +402,10 @@ def _figure(picture: Picture, kind: str, targets: Mapping[str | int, str]) -> st
 def _targets(
     picture: Picture, page: _Topics, module_numbers: Mapping[str, int]
 ) -> dict[str | int, str]:
-    """Return the links of findings by their numbers, and of boxes by their names.
+    """Return the links of findings by their numbers, and of diagram boxes by their names.
 
-    A box leads to its first finding, else to its node or to the gravest topic about it. A box
-    without a topic leads to the question why not.
+    A box links to its first finding, else to its node or the gravest topic about it, else to the
+    question why not.
     """
     found: dict[str | int, str] = {}
     order = [sort for sorts in (*_SORTS.values(), *_FURTHER_SORTS.values()) for sort in sorts]

@@ -15,7 +15,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the mount tree."""
+    """Print the mount tree in the requested format."""
     project = read_project(arguments)
     from mars_asp.exchange.urdf import export_urdf
 

@@ -11,12 +11,12 @@ FINDING_FORMATS = ("text", "json", "sarif", "github")
 
 
 def is_published(arguments: argparse.Namespace) -> bool:
-    """Whether results are printed for other programs, together after everything was read."""
+    """Whether the requested format is one for other programs, printed after all reading."""
     return arguments.format in ("sarif", "github")
 
 
 def publish(results: Sequence[Result], arguments: argparse.Namespace, status: int) -> int:
-    """Print results; return the exit status."""
+    """Print results in the requested format; return the exit status."""
     print(published_text(results, arguments, status), end="")
     return status
 
@@ -43,7 +43,7 @@ def is_note(result: Result) -> bool:
 def published(
     run: Callable[[argparse.Namespace], int],
 ) -> Callable[[argparse.Namespace], int]:
-    """Return the `run` of a command, changed so that it prints errors of the input as results."""
+    """Return the function `run` of a command, which then prints errors of the input as results."""
 
     def running(arguments: argparse.Namespace) -> int:
         try:

@@ -32,7 +32,7 @@ def fold(results: Iterable[Result], instances: Mapping[str, str]) -> list[Result
 
 
 def instances_of(configuration: Configuration) -> Mapping[str, str]:
-    """Return the name of the instance by the name of each module that has twins.
+    """Return the name of the instance to which each module belongs, if it has twins.
 
     A module of an included file has one location, however often the file is included.
     """
@@ -64,7 +64,7 @@ def natural_order(text: str) -> tuple[object, ...]:
 
 
 def _texts(found: Diagnostic, name: str) -> object:
-    """Return a finding as a key to compare, without the name of its instance."""
+    """Return a key of a finding that is equal for findings that differ only in the name."""
     pattern = re.compile(rf"(?<=`){re.escape(name)}(?=[`./])")
     texts = (found.message, found.help, found.effect, *(text for _, text in found.labels))
     plain = tuple(text and pattern.sub(_ANY, text) for text in texts)
@@ -72,7 +72,7 @@ def _texts(found: Diagnostic, name: str) -> object:
 
 
 def _name_instances(same: Sequence[tuple[str, Result]]) -> Result:
-    """Return one of several results that differ in the name of an instance; it lists the names."""
+    """Return one result for several equal ones; it lists the names of the instances."""
     if len(same) == 1:
         return same[0][1]
     names = sorted({name for name, _ in same}, key=natural_order)

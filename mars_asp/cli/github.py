@@ -9,7 +9,7 @@ _COMMANDS = {"error": "error", "warning": "warning", "note": "notice"}
 
 
 def workflow_commands(results: Iterable[Result]) -> Iterator[str]:
-    """Yield a command for each result that is not hidden.
+    """Yield a workflow command for each result that is not hidden.
 
     Forbidden characters in values are escaped as by `@actions/core`.
     """

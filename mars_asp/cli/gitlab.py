@@ -34,9 +34,9 @@ def _entry(finding: Result, alike: Counter[BaselineEntry]) -> dict[str, object]:
 
 
 def _fingerprint(finding: Result, alike: Counter[BaselineEntry]) -> str:
-    """Return a digest of the baseline entry of a finding, and of its number among equal entries.
+    """Return a digest of a finding that stays the same when lines move.
 
-    The digest is independent of the line, so it stays when lines move.
+    It covers its baseline entry, and its number among equal entries, counted in `alike`.
     """
     baseline = str(root_of(Path.cwd()) / "baseline.json")
     known = known_of(finding.consequence or finding.diagnostic, baseline)

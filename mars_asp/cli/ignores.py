@@ -47,7 +47,7 @@ _SUFFIXES = {
 
 
 class Ignore(NamedTuple):
-    """A comment that hides findings of some kinds, with their locations and that of the comment."""
+    """A comment that hides findings: kinds with locations, reason, and its own location."""
 
     kinds: tuple[tuple[str, Span], ...]
     reason: str
@@ -104,7 +104,7 @@ def _language_of(path: str, text: str) -> str:
 
 
 def _comments(text: str, language: str) -> Iterable[tuple[int, int]]:
-    """Return the ranges of the comments in a text."""
+    """Return the ranges (begin, end) of the comments in a text."""
     if language == "yaml":
         return _yaml_comments(text)
     if language in _COMMENTS:
@@ -116,7 +116,7 @@ def _comments(text: str, language: str) -> Iterable[tuple[int, int]]:
 
 
 def _yaml_comments(text: str) -> Iterator[tuple[int, int]]:
-    """Yield the ranges of comments with `mars:`; none if a text is not YAML."""
+    """Yield the ranges of the comments with `mars:`; none if the text is not YAML."""
     import yaml
 
     scalars: list[tuple[int, int]] = []

@@ -84,7 +84,7 @@ def _foreign(arguments: argparse.Namespace) -> tuple[Parsed, str]:
 
 
 def foreign_text(configuration: Configuration, *, contract: bool = False) -> str:
-    """Return the `.mars` text of foreign files; as a `contract` without their muxes as nodes."""
+    """Return the `.mars` text of foreign files; with `contract`, without muxes as nodes."""
     from mars_asp.exchange.lift import has_glue, lifted, with_origins
 
     shape = configuration if contract or not has_glue(configuration) else lifted(configuration)
@@ -92,7 +92,7 @@ def foreign_text(configuration: Configuration, *, contract: bool = False) -> str
 
 
 def check_one_tree(trees: Sequence[LaunchTree], configuration: Configuration) -> None:
-    """Check that the launch files of a folder start one robot.
+    """Raise MarsError if several launch files of a folder start a robot; it lists them.
 
     Raises:
         MarsError: several launch files start a robot; the message lists them.

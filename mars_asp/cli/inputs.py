@@ -69,7 +69,7 @@ def read_input(shown: str) -> str:
 
 
 def shown_input(arguments: argparse.Namespace) -> str:
-    """Return the path of standard input in locations: `--stdin-filename`, else `<stdin>`."""
+    """Return the name of standard input in locations: `--stdin-filename`, else `<stdin>`."""
     return getattr(arguments, "stdin_filename", None) or SHOWN_INPUT
 
 
@@ -79,7 +79,7 @@ def add_stdin_filename(parser: argparse.ArgumentParser) -> None:
 
 
 def check_inputs(*paths: str) -> None:
-    """Check that standard input is read for one file alone.
+    """Raise MarsError if standard input is named twice, or a path is empty.
 
     Raises:
         MarsError: standard input is named twice, or a path is empty.
@@ -157,7 +157,7 @@ def one_of_several(project: Project) -> Iterator[Diagnostic]:
 
 
 def _brought(arguments: argparse.Namespace, with_attributes: bool) -> tuple[object, ...]:
-    """Return the content of packs besides rules: kinds of nodes, and attributes if requested.
+    """Return the kinds of nodes that packs declare and, if requested, the attributes.
 
     Without attributes no rules are read, and errors of packs are raised later.
 
@@ -233,7 +233,7 @@ def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None
 
 
 def is_other_file(path: str, text: str) -> bool:
-    """Whether a file is a source, a document or the like, by its suffix and its text."""
+    """Whether a file is a source, a document or the like instead of a robot."""
     suffix = Path(path).suffix.lower()
     if "\0" in text or suffix not in _PARTS:
         return False
@@ -251,7 +251,7 @@ def workspace_of(path: str) -> str | None:
 
 
 def only_robot(arguments: argparse.Namespace, path: str) -> str:
-    """Return the path of the robot in a folder; any other path as it is.
+    """Return the path of the only robot in a folder; any other path unchanged.
 
     Raises:
         MarsError: there is no robot, or there are several.
@@ -349,7 +349,7 @@ class RobotFiles(NamedTuple):
 
 
 def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFiles]:
-    """Return the files of each robot.
+    """Return the files of each robot that the paths name or contain.
 
     Each robot in a folder is separate. Named foreign files are one robot together, in the order
     of the first.
@@ -391,7 +391,7 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
 
 
 def is_excluded(arguments: argparse.Namespace, path: str) -> bool:
-    """Whether a named path is among those that a command passes over.
+    """Whether the settings or options exclude a named path.
 
     Raises:
         MarsError: the settings of its folder are wrong.
@@ -420,7 +420,7 @@ def _is_foreign(arguments: argparse.Namespace, path: str) -> bool:
 def load(
     arguments: argparse.Namespace, path: str, text: str | None = None, further: Sequence[str] = ()
 ) -> Project:
-    """Read a project, with `text` as its file if not None; `further` are foreign files of it.
+    """Read the project at a path; `text` replaces its content, `further` are more foreign files.
 
     Raises:
         MarsError: the files have errors.

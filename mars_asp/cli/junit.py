@@ -8,7 +8,7 @@ from mars_asp.output import visible
 
 
 def junit_suites(robots: Sequence[tuple[str, Sequence[Result]]]) -> str:
-    """Return the findings of robots, each with its name; a robot without any is one passed case."""
+    """Return JUnit XML with a suite for each robot; one without findings is a passed case."""
     root = ElementTree.Element("testsuites", name="mars-asp check")
     for name, findings in robots:
         number = str(len(findings))

@@ -108,7 +108,7 @@ def memory_limit(arguments: argparse.Namespace) -> float | None:
 
 
 def load_freely(*modules: str) -> None:
-    """Import modules without the memory limit: NumPy ends a process that has too little.
+    """Import modules without the memory limit, at which NumPy would end the process.
 
     Raises:
         MemoryError: too little memory is left under the limit.

@@ -21,13 +21,13 @@ _MOST_BYTES = 256 * 1024 * 1024
 
 
 def remember(path: str, text: str) -> None:
-    """Keep the text of a file under its shown name, as a pipe can be read only once."""
+    """Keep the text of a file, to quote lines of it later; a pipe can be read only once."""
     lines = [f"{line}\n" for line in text.split("\n")]
     linecache.cache[path] = (len(text), None, lines, path)
 
 
 def forget(path: str) -> None:
-    """Drop the kept lines of a file, so that they are read again."""
+    """Discard the kept text of a file, so that it is read again."""
     linecache.cache.pop(path, None)
 
 
@@ -51,7 +51,7 @@ def lines_of(path: str) -> Sequence[str]:
 
 
 def _can_show(path: str) -> bool:
-    """Whether lines of a file may be shown: it was read, or is readable and not too large."""
+    """Whether lines of a file may be shown: it was read, or is readable and small."""
     if path in linecache.cache or is_hidden(path):
         return not is_hidden(path)
     try:

@@ -97,7 +97,7 @@ def answer(question: Question, options: argparse.Namespace) -> Any:
 
 
 def _call(verb: str, path: str, options: argparse.Namespace) -> argparse.Namespace:
-    """Return the arguments of a command that is called for a file with the server's options."""
+    """Return the arguments of a command for a file, with the server's options."""
     _, parser = parser_of(verb)
     words = [path, *(f"--rules={each}" for each in options.rules)]
     words += [f"--sources={each}" for each in options.sources]
@@ -154,7 +154,7 @@ def _editor_robot(project: Project, files: EditorFiles) -> EditorRobot:
 
 
 def _configurations(path: str, prefix: str, files: EditorFiles) -> Iterator[OpenFile]:
-    """Yield a configuration that was read without errors, and the files that it includes."""
+    """Yield the configuration at a path, and the files that it includes, as open files."""
     text = files.text(path)
     if text is None:
         return
@@ -266,9 +266,9 @@ def _title(consequence: Consequence) -> str:
 
 
 def _owners(question: Question, options: argparse.Namespace) -> tuple[str, ...]:
-    """Return the configurations in the folders above a source whose `@sources` have it.
+    """Return the configurations, in folders above a source, whose `@sources` contain it.
 
-    `about` is the folder at which the search ends.
+    The search ends at the folder `about` of the question.
     """
     source = Path(question.path)
     found: list[str] = []

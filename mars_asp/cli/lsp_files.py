@@ -48,7 +48,7 @@ class EditorFiles:
     def finding(
         self, found: Diagnostic, title: str | None = None, fixes: Iterable[tuple[Span, str]] = ()
     ) -> EditorFinding:
-        """Return a diagnostic as a finding of an editor; `fixes` are texts for spans."""
+        """Return a diagnostic as a finding of an editor; `fixes` are (span, new text)."""
         short = brief(found)
         edits = [(self.place(span), text) for span, text in fixes]
         known = tuple(TextEdit(place, text) for place, text in edits if place is not None)
@@ -67,7 +67,7 @@ class EditorFiles:
 
 
 def _built_in(path: str) -> str | None:
-    """Return the path of a built-in rule file that is shown as `rules/...`, or None."""
+    """Return the real path of a built-in rule file shown as `rules/...`, None for others."""
     own = rules_directory()
     if path.startswith("rules/") and not Path(path).is_file():
         return str(own / path.removeprefix("rules/"))

@@ -32,9 +32,9 @@ def add_outputs(parser: argparse.ArgumentParser) -> None:
 
 
 def ending(*endings: str) -> Callable[[str], str]:
-    """Return a check that a file name has one of some endings, which give the format.
+    """Return a function that checks that a path has one of some endings.
 
-    `-` among the endings allows standard output.
+    The ending gives the format. If `-` is among the endings, standard output is allowed.
     """
     suffixes = tuple(each for each in endings if each != "-")
 
@@ -72,7 +72,7 @@ def recorded(
     specification: "Configuration",
     modules: "Mapping[str, Module]",
 ) -> "Iterator[Record | None]":
-    """Yield the recording of a run, or None without one; it appears when the block has ended."""
+    """Yield the recorder of a run, None unless requested; the file appears after the block."""
     if not arguments.record:
         yield None
         return

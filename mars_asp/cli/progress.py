@@ -25,7 +25,7 @@ _T = TypeVar("_T")
 
 @contextmanager
 def stage(arguments: argparse.Namespace, name: str) -> Iterator[None]:
-    """Show the name of a stage that takes long, or print its duration with `--verbose`."""
+    """Show the name of a slow stage while the block runs; with `--verbose`, print its duration."""
     if getattr(arguments, "verbose", False):
         started = time.monotonic()
         yield
@@ -63,7 +63,7 @@ def detail(arguments: argparse.Namespace, text: str) -> None:
 def progress_bar(
     arguments: argparse.Namespace, noun: str
 ) -> Iterator[Callable[[int, int], None] | None]:
-    """Yield a function that shows a number of results and their total, or None without a viewer."""
+    """Yield a function (done, total) that shows the progress, or None without a terminal."""
     if not _is_watched(arguments):
         yield None
         return
@@ -109,7 +109,7 @@ def live_line(
 
 
 def clear_line() -> None:
-    """Remove the line of progress, which a worker that was ended may have left."""
+    """Remove the line of progress, which a killed worker may have left."""
     if sys.stderr.isatty():
         _write("")
 

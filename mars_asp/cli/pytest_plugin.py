@@ -41,7 +41,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> "pytest.Co
 
 
 class CaseFile(pytest.File):
-    """A case file."""
+    """A file of cases; `pack` is its pack, None without one."""
 
     pack: Path | None
 

@@ -17,7 +17,7 @@ _FRAME = 0.1
 
 
 def live_view(arguments: argparse.Namespace, title: str) -> "AbstractContextManager[Stage | None]":
-    """Return the page that shows a paced run, or an empty context without a speed or if quiet."""
+    """Return a context with the page that shows a paced run; with None if not paced or quiet."""
     if arguments.speed is None or arguments.quiet:
         return nullcontext()
     from mars_asp.cli.watch import watched

@@ -99,7 +99,7 @@ def _repair_text(
 
 
 def _by_hand(consequence: Consequence) -> Iterator[str]:
-    """Yield the help of a finding in a foreign file, and its further places."""
+    """Yield the help of a finding in a foreign file, and its further locations."""
     yield f"by hand: {visible(consequence.help or 'only `.mars` files are edited here')}"
     _, *further = dict.fromkeys(f"{span.path}:{span.line}" for span in consequence.spans)
     if further:
@@ -107,7 +107,7 @@ def _by_hand(consequence: Consequence) -> Iterator[str]:
 
 
 def _unproposed(consequence: Consequence) -> str:
-    """Return the sentence for a finding without a proposed edit."""
+    """Return the sentence that no edit is known for a finding, with its help if it has some."""
     if consequence.help:
         return f"no edit is known that would fix it; by hand: {visible(consequence.help)}"
     rule = f"edit({consequence.kind}, SUBJECT, CASE, EDIT, WEIGHT)"
@@ -115,7 +115,7 @@ def _unproposed(consequence: Consequence) -> str:
 
 
 def _mend_text(number: int, mend: Mend, first: str, here: str, width: int) -> Iterator[str]:
-    """Yield a repair, and its lines unless they are many and those of an earlier one, `first`."""
+    """Yield the lines of a repair; many lines are not repeated after those of `first`."""
     messages = "; ".join(visible(edit.message) for edit in mend.edits)
     rules = ", ".join(dict.fromkeys(edit.rule.id for edit in mend.edits))
     yield from wrapped(f"{messages}  [{rules}]", width, f"  {number}. ", _BELOW)

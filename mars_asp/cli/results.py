@@ -38,7 +38,7 @@ class Result(NamedTuple):
 
 
 def results_of(selected: Selected) -> Iterator[Result]:
-    """Yield the reported and the hidden findings of a file, and the remarks on its selection."""
+    """Yield results for the reported and hidden findings of a file, and for remarks."""
     is_new = True if selected.is_compared else None
     for each in selected.shown:
         yield Result(diagnostic(each), each, None, is_new)
@@ -51,7 +51,7 @@ def results_of(selected: Selected) -> Iterator[Result]:
 
 @cache
 def root_of(here: Path) -> Path:
-    """Return the folder that paths are relative to: the root of the repository, else `here`."""
+    """Return the repository's root, to which paths are relative, or `here` outside of one."""
     for folder in (here, *here.parents):
         if (folder / ".git").exists():
             return folder

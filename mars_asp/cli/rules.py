@@ -163,7 +163,7 @@ def _suggestions(found: LintResult, arguments: argparse.Namespace) -> dict[Diagn
 
 
 def _mended(found: LintResult) -> int:
-    """Write the fixes of lints to the files; return the number of fixed findings."""
+    """Write the safe fixes of lints into the files; return the number of fixed findings."""
     texts: dict[str, bytes] = {}
     count = 0
     for path in dict.fromkeys(fix.span.path for each in found.lints for fix in each.fixes):
@@ -208,7 +208,7 @@ def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
 
 
 def rule_or_kind_text(name: str, arguments: argparse.Namespace) -> str | None:
-    """Return the output of `rules show` for a kind or a rule, or None if it is neither."""
+    """Return the output of `rules show` for a rule or kind, or None for another name."""
     rulebook = rulebook_for(arguments, STAGES)
     known = (*rulebook.by_id, *kinds(rulebook), *input_codes())
     if name not in known:
@@ -248,7 +248,7 @@ def shown_json(rulebook: Rulebook, name: str) -> dict[str, object]:
 
 
 def _misused(action: str, what: str | None, arguments: argparse.Namespace) -> str | None:
-    """Return the fault of a call, or None if there is none."""
+    """Return the message that arguments do not suit the action, or None."""
     if action == "show" and not what:
         return "`show` needs the ID of a rule, a predicate, a kind or a file; `list` names rules"
     if action in ("new", "diff") and not what:
@@ -272,7 +272,7 @@ def _misused(action: str, what: str | None, arguments: argparse.Namespace) -> st
 def _find_named(
     rulebook: Rulebook, name: str
 ) -> Rule | Kind | InputCode | tuple[Declaration, ...] | str:
-    """Return the rule of an id, a kind, predicates, the path of a file, or a code of the input.
+    """Return the rule, kind, predicates, file path or code of the input that has a name.
 
     A file is named by its path or by the common start of the ids in it, predicates by their name,
     with or without the number of arguments.
@@ -314,13 +314,13 @@ def _stage_list(rulebook: Rulebook, stage: str) -> str:
 
 
 def _sentence(rule: Rule) -> str | None:
-    """Return the message of a rule with the values of its example, else with names of variables."""
+    """Return a rule's message with values of its example, else of variables; None without one."""
     example = tabled_example(rule)
     return with_names(rule.because) if example is None else example.because
 
 
 def _listed_packs() -> Iterator[str]:
-    """Yield the list of installed packs, if there are any."""
+    """Yield the text that lists installed packs, nothing if there are none."""
     packs = installed_packs()
     width = max(map(len, packs), default=0)
     lines = [visible(f"{name:<{width}}  {folder}") for name, folder in packs.items()]

@@ -30,7 +30,7 @@ _HOLE = re.compile(r"\{([^{}:@]*)[^{}]*\}")
 
 
 def speaking(rulebook: Rulebook, stage: str) -> Iterator[Rule]:
-    """Return the rules of a stage that have a message."""
+    """Yield the rules of a stage that have a message."""
     return (rule for rule in rulebook.rules if rule.stage == stage and rule.because is not None)
 
 
@@ -83,7 +83,7 @@ def file_document(path: str, stage: str, outline: Outline) -> str:
 
 
 def predicates_of(outline: Outline) -> Iterator[tuple[str, tuple[Signature, ...]]]:
-    """Yield each use of predicates in a file, with the predicates."""
+    """Yield each way in which a file uses predicates, with these predicates."""
     yield "given", outline.given
     yield "derives", outline.derives
     yield "decides", outline.decides
@@ -121,7 +121,7 @@ def rule_source(rule: Rule, rulebook: Rulebook) -> str:
 
 
 def with_names(text: str | None) -> str | None:
-    """Return a text of a rule with names of variables for holes in code, `…` for other holes."""
+    """Return a text of a rule with variable names in its holes; None for None."""
     if text is None:
         return None
     # A hole at the end of a word, as of a plural, is removed.

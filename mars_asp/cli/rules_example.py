@@ -45,7 +45,7 @@ def tabled_example(rule: Rule, solved: RuleExample | None = None) -> RuleExample
 
 
 def table_examples(rulebook: Rulebook) -> None:
-    """Solve the example of each rule, so that a build writes them into its table."""
+    """Solve the example of each rule, so that the build stores it in a table."""
     for rule in rulebook.rules:
         example = None if rule.because is None else _solve_example(rule, rulebook)
         if example is not None:

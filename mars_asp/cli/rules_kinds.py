@@ -16,7 +16,7 @@ _SENTENCES = frozenset({"account", "absence"})
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of finding or of node, with the rules that name it."""
+    """A kind of finding or node, with the rules that mention it."""
 
     name: str
     sort: str
@@ -48,7 +48,7 @@ def kinds(rulebook: Rulebook) -> dict[str, Kind]:
 
 
 def kind_document(kind: Kind) -> Iterator[str]:
-    """Yield the paragraphs about a kind, without its rules."""
+    """Yield the paragraphs about a kind, except those about its rules."""
     if kind.sort == "consequence":
         yield f"## {kind.name}"
         yield "A kind of finding."

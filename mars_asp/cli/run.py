@@ -123,7 +123,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _bound_functions(
     specification: "Configuration", modules: "Mapping[str, Module]", scenario: "Scenario"
 ) -> "dict[str, tuple[Path, str]]":
-    """Return the file and function of each module that Python runs, or of each of its outputs."""
+    """Return the Python file and function that each module, or each of its outputs, runs."""
     from mars_asp.execution.parts import in_parts
     from mars_asp.execution.scenario.functions import bound_functions
 
@@ -137,7 +137,7 @@ def _fits(
     scenario: "Scenario",
     arguments: argparse.Namespace,
 ) -> bool:
-    """Report contradictions of a scenario and a specification; return whether it can be run."""
+    """Print contradictions between scenario and specification; return whether it can be run."""
     from mars_asp.execution.executor.plan import Plan
     from mars_asp.execution.parts import in_parts
     from mars_asp.execution.scenario.agreement import disagreements
@@ -161,7 +161,7 @@ def read_run_scenario(arguments: argparse.Namespace) -> "Scenario":
 
 
 def _never_begun(scenario: "Scenario") -> Iterator[Diagnostic]:
-    """Yield a warning for each fault that begins after the end of a shortened run."""
+    """Yield a warning for each fault in a scenario that begins after its end."""
     from mars_asp.execution.scenario.contradictions import late_faults
 
     for name, start in late_faults(scenario.faults, scenario.duration):
@@ -173,7 +173,7 @@ def _never_begun(scenario: "Scenario") -> Iterator[Diagnostic]:
 def _print_plan(
     functions: "Mapping[str, tuple[Path, str]]", scenario: "Scenario", arguments: argparse.Namespace
 ) -> int:
-    """Print the imports and the simulated devices of a run; return 2 if a file is missing."""
+    """Print the Python imports and simulated devices; return 2 if a file is missing."""
     imported: dict[str, dict[str, str]] = {}
     for name, (path, function) in functions.items():
         imported.setdefault(str(path), {})[name] = function

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def run_json(trial: "Trial", judgement: "Judgement") -> dict[str, object]:
-    """Return a run with the keys of the command line's contract."""
+    """Return the result of a run as JSON, with the keys of the command line's contract."""
     executor, times = trial.executor, trial.control_time
     return {
         "verdict": judgement.verdict,
@@ -76,7 +76,7 @@ def _robot_json(trial: "Trial", robot: "ScenarioRobot", body: "Body") -> dict[st
 
 
 def links_json(trial: "Trial") -> list[dict[str, Any]]:
-    """Return the required and the actual rate of each link; rates in Hz, ages in ms."""
+    """Return each link as JSON, with required and actual rate (Hz) and ages (ms)."""
     from mars_asp.execution.promises import promises
 
     rates = {each.number: each.hz for each in promises(trial)}
@@ -112,6 +112,6 @@ def _failures_json(name: str, failures: "Failures") -> dict[str, object]:
 
 
 def speakers(trial: "Trial") -> Iterator[str]:
-    """Yield the modules that send commands and are not arbiters, once for each link."""
+    """Yield the controllers that send commands, once for each link from them."""
     links, plan = trial.executor.links, trial.executor.plan
     return (link.source for link in links if plan.kind(link.source) == "control_out")

@@ -24,7 +24,7 @@ _VERDICTS: Mapping[str, tuple[str, str, bool | None]] = {
 
 
 def report_page(run: Mapping[str, Any], picture: str, title: str, replay: str | None) -> str:
-    """Return an HTML report of a run; `run` is its JSON, and `replay` a link to its replay.
+    """Return an HTML report of a run; `run` is its JSON, `replay` a link to its replay or None.
 
     The report runs no script and fetches nothing.
     """
@@ -105,7 +105,7 @@ def _sections(run: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _robot_cells(robot: Mapping[str, Any], seconds: float) -> tuple[str, ...]:
-    """Return the cells of a robot: contacts, distances, and the share of each controller."""
+    """Return the table cells of a robot; `seconds` is the duration of the run."""
     struck = robot["collisions"]
     contacts = f"{len(struck)}, first at {struck[0]['seconds']:.2f} s" if struck else "none"
     clearance, beside = robot["min_clearance_mm"], robot["nearest"]

@@ -54,7 +54,7 @@ def run_text(trial: "Trial", judgement: "Judgement", arguments: argparse.Namespa
 
 
 def _table_lines(tables: "Iterable[Table]", arguments: argparse.Namespace) -> Sequence[str]:
-    """Return the lines of tables that have rows."""
+    """Return the printed lines of those tables that have rows."""
     from rich.console import Console
 
     colour = {"always": True, "never": False}.get(arguments.color)
@@ -81,7 +81,7 @@ def run_line(trial: "Trial", wall: float) -> str:
 
 
 def _sentence(head: str, text: str, further: str = " " * 9) -> Iterator[str]:
-    """Yield the lines of a sentence after its head, with further lines indented."""
+    """Yield the lines of a wrapped sentence after `head`; further ones begin with `further`."""
     lines = wrapped(visible(text), columns(sys.stdout), visible(head), further)
     return (line.rstrip() for line in lines)
 

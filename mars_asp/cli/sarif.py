@@ -71,7 +71,7 @@ def _invocation(results: Iterable[Result], status: int) -> _Json:
 
 
 def _descriptor(code: str, first: Result) -> _Json:
-    """Return the descriptor of the rule or check of a result (3.49)."""
+    """Return the descriptor of a rule or check; `first` is its first result (3.49)."""
     level = {"defaultConfiguration": {"level": first.diagnostic.severity}}
     if first.consequence is None:
         # GitHub requires a description and help for each descriptor.
@@ -170,7 +170,7 @@ def _message_text(result: Result) -> str:
 
 
 def _marked(text: str) -> str:
-    """Return a text with escaped brackets, so that none begins a link (3.11.6)."""
+    """Return a text with escaped brackets, so that no link begins in it (3.11.6)."""
     return re.sub(r"[\[\]]", r"\\\g<0>", text)
 
 

@@ -36,7 +36,7 @@ class _Schema(argparse.Action):
 
 
 def schema_text(*names: str) -> str:
-    """Return the JSON Schema of a command's document; `explain` also needs one of `FORMATS`."""
+    """Return the JSON Schema of a command's document; `explain` also needs its format."""
     from importlib.resources import files
 
     schema = files("mars_asp.cli") / f"{'.'.join(names)}.schema.json"

@@ -62,7 +62,7 @@ class Selected(NamedTuple):
 
 
 class _Choice(NamedTuple):
-    """The selection for the files of a folder: names to report, names to omit, a baseline.
+    """The reported findings in a folder: names to select, names to ignore, a baseline.
 
     A name is the kind of a finding, or the id of its rule.
     """
@@ -72,7 +72,7 @@ class _Choice(NamedTuple):
     baseline: "Baseline | None"
 
     def has(self, names: tuple[str, ...]) -> bool:
-        """Whether findings of these names are reported."""
+        """Whether findings that have these names are reported."""
         is_selected = self.select is None or not self.select.isdisjoint(names)
         return is_selected and self.ignore.isdisjoint(names)
 
@@ -205,7 +205,7 @@ class Selection:
         return tuple(shown), hidden
 
     def among(self, project: Project, found: Sequence[Consequence]) -> Selected:
-        """Return the selection among some findings of a file, without remarks on comments.
+        """Return which of some findings are reported, without remarks on comments.
 
         Raises:
             MarsError: the settings of its folder, or their baseline, are wrong.
@@ -354,7 +354,7 @@ class Selection:
 
     @cached_property
     def _is_open(self) -> bool:
-        """Whether a rule derives the kind of its findings, so the kinds are unknown in advance."""
+        """Whether a rule computes the kinds of its findings, so that any name may be a kind."""
         return any(kinds_of(rule) is None for rule in self._rulebook.rules)
 
     def _check(self, kinds: Sequence[str] | None, place: Callable[[int], Span]) -> None:
@@ -418,7 +418,7 @@ class Selection:
 
 
 def _selectors(finding: Consequence | Diagnostic) -> tuple[str, ...]:
-    """Return the names by which a finding, or a message on reading, is selected and ignored."""
+    """Return the names by which a finding or message can be selected: kind, rule id, code."""
     if isinstance(finding, Consequence):
         return finding.kind, finding.rule.id
     return (finding.kind, finding.code) if finding.kind else (finding.code,)
@@ -431,7 +431,7 @@ def _names_in(rulebook: Rulebook) -> frozenset[str]:
 
 
 def _elsewhere(kind: str, span: Span, found: Iterable[Consequence]) -> str:
-    """Return the advice where to move a comment that hides nothing at its own line."""
+    """Return the advice to move or delete a comment at `span` that hides no `kind`."""
     for each in found:
         first = each.spans[0]
         if kind in _selectors(each) and any(

@@ -53,11 +53,11 @@ class Settings(NamedTuple):
     table: tuple[str, ...] = ()
 
     def place(self, *key: str | int) -> Span:
-        """Return the location of a key, or of an entry in its list."""
+        """Return the location in the file of a key, or of an entry (by index) of its list."""
         return _positions_in_toml(self.text, self.path).of(*self.table, *key)
 
     def check_named(self, named: str, *key: str | int) -> None:
-        """Check that a file or folder that a key names may be read.
+        """Raise MarsError if a path in the settings is outside of the permitted folders.
 
         Raises:
             MarsError: the path lies outside.

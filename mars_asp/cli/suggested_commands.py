@@ -7,7 +7,7 @@ from mars_asp.output import visible
 
 
 def command(verb: str, arguments: argparse.Namespace, *words: str) -> str:
-    """Return the call of a command for the files that were read, quoted for a shell.
+    """Return a command line about the files that were read, quoted for a shell.
 
     `words` follow the files; the options for reading the robot follow the words.
     """
@@ -15,7 +15,7 @@ def command(verb: str, arguments: argparse.Namespace, *words: str) -> str:
 
 
 def command_on_one(verb: str, arguments: argparse.Namespace, *words: str) -> str | None:
-    """Return the call of a command whose words precede its file; None for several files."""
+    """Return a command line whose words precede its only file; None for several files."""
     if len(arguments.files) > 1:
         return None
     lines = ["mars-asp", verb, *words, *arguments.files, *_readings(arguments)]

@@ -29,7 +29,7 @@ def topics_document(subject: str | None, topics: Sequence[Topic]) -> dict[str, o
 
 
 def why_not_document(answer: WhyNot) -> dict[str, object]:
-    """Return the reason why an atom is absent, as a document of one topic with more keys."""
+    """Return the answer why an atom is absent, as JSON of one topic with more keys."""
     lines = [located_line_json(span) for span in answer.evidence]
     title, trace = answer.subject, trace_json(answer.trace)
     cited = [{**line, "label": ""} for line in lines]

@@ -54,7 +54,7 @@ def read_changes(texts: Iterable[str]) -> "Changes":
 def specified(
     project: "Project", arguments: argparse.Namespace
 ) -> "tuple[Configuration, Mapping[str, Module]] | None":
-    """Return the specification to run and its modules; report and return None if none exists."""
+    """Return the specification to run and its modules, or None, with a message, without one."""
     specification = _specification(project, arguments)
     return None if specification is None else runnable(specification, project, arguments)
 
@@ -62,7 +62,7 @@ def specified(
 def runnable(
     specification: "Configuration", project: "Project", arguments: argparse.Namespace
 ) -> "tuple[Configuration, Mapping[str, Module]]":
-    """Return a specification of a project with inputs and modes stated, and its modules.
+    """Return the specification with all inputs and modes stated, and the modules by name.
 
     Raises:
         MarsError: rule packs are wrong.
@@ -79,7 +79,7 @@ def runnable(
 
 
 def _specification(project: "Project", arguments: argparse.Namespace) -> "Configuration | None":
-    """Return the file's specification or a minimal one; report and return None if none exists."""
+    """Return the specification in the file or a minimal one; None, with a message, without one."""
     if project.configuration.kind == "specification":
         return project.configuration
     from mars_asp.reasoning.analysis import findings
@@ -105,9 +105,10 @@ def run_trial(
     rulebook: "Rulebook | None" = None,
     speed: float | None = None,
 ) -> "tuple[Trial, Judgement]":
-    """Return a finished trial and its judgement; `show` is called with each stage of the run.
+    """Return a finished run and its judgement.
 
-    `speed` limits the run to so many times real time.
+    `observe` receives its events, and `show` is called with each stage. `speed` limits the run to
+    so many times real time. `rulebook` judges it; None is the built-in rules.
 
     Raises:
         MarsError: modules are unbound or unusable; has all errors.

@@ -194,7 +194,7 @@ def _run_without(arguments: argparse.Namespace) -> int:
 
 
 def _without_text(name: str, found: Sequence["ViolatedClause"], width: int) -> Iterator[str]:
-    """Yield the lines about violations, each with the configuration lines of its premises."""
+    """Yield the lines about violations without the node `name`, and their premises."""
     if not found:
         yield f"without {name} the specification still realises the configuration"
         return

@@ -35,7 +35,7 @@ _SHARE = 0.2
 
 
 class Stage:
-    """The state of the page; `show` replaces it by the current state of a run."""
+    """The state of a page that shows a run; browsers wait for its changes."""
 
     def __init__(self) -> None:
         self._changed = threading.Condition()
@@ -43,7 +43,7 @@ class Stage:
         self._watching, self._resting = 0, 0.0
 
     def show(self, trial: "Trial", judgement: "Judgement | None" = None) -> None:
-        """Show a run; one with a judgement has ended and is the last."""
+        """Replace the state by that of a run; with a judgement, the run has ended."""
         if judgement is None and (not self._watching or time.monotonic() < self._resting):
             return
         from mars_asp.execution.recording.picture import plot_run
@@ -63,7 +63,7 @@ class Stage:
             self._changed.notify_all()
 
     def close(self) -> None:
-        """End when every browser has received the last state, or is too slow."""
+        """End the page after every browser has received the last state, or is too slow."""
         with self._changed:
             self._over = True
             self._changed.notify_all()
@@ -71,7 +71,7 @@ class Stage:
 
     @contextmanager
     def watched(self) -> Iterator[bool]:
-        """Register a browser until the block ends; yield whether there is room for it."""
+        """Count a browser while the block runs; yield False if there are too many."""
         with self._changed:
             room = self._watching < _MOST and not self._over
             self._watching += room
@@ -83,7 +83,7 @@ class Stage:
                 self._changed.notify_all()
 
     def scenes(self) -> Iterator[bytes]:
-        """Yield the state of the page when it changes, and empty bytes after a long pause."""
+        """Yield the state as JSON whenever it changes; empty bytes after a long pause."""
         number, over = 0, False
         while not over:
             before = number

@@ -10,10 +10,7 @@ _TURNS = 20
 
 
 def in_turn(rows: Sequence[Row]) -> Iterator[Row]:
-    """Yield rows; of two winners that take turns for the same reasons, only the first turn of each.
-
-    A third row has the number of further turns, and their end.
-    """
+    """Yield rows of winners; where two alternate for long, only their first turns and a count."""
     at = 0
     while at < len(rows):
         end = at + 2

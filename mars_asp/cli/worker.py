@@ -29,7 +29,7 @@ _GRACE_SECONDS = 0.3
 
 
 class Ended(BaseException):
-    """A signal requires the command to end, or its time is over."""
+    """A signal that ends the command, or the end of its time."""
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
@@ -78,7 +78,7 @@ def read_standard_input(most: int = -1) -> bytes:
 
 @contextmanager
 def ended_by_signals() -> Iterator[None]:
-    """Raise `Ended` if a signal requires the command to end."""
+    """Raise `Ended` in the block if a signal ends the command."""
 
     def end(number: int, frame: FrameType | None) -> None:
         for other in contained.ENDING:
@@ -131,7 +131,7 @@ def _await(worker: contained.Child, arguments: argparse.Namespace) -> int:
 
 
 def _patience(worker: contained.Child, result: deliver.WorkerOutput) -> float | None:
-    """Return the seconds that a worker has to end; None if it has no time limit."""
+    """Return how many more seconds a worker may take to end; None without a time limit."""
     if result.status is None:
         return 0.0
     # User code may delay a worker that has sent its status.
@@ -158,7 +158,7 @@ def _paused_together(worker: int) -> Iterator[None]:
 
 
 def _broken(status: int, code: Sequence[str], arguments: argparse.Namespace) -> int:
-    """Report why a worker ended without its end mark; return the exit status.
+    """Print why a worker ended without a result; return the exit status.
 
     `code` are the files of the user whose code it ran.
     """

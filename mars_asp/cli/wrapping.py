@@ -22,7 +22,7 @@ _STYLE = re.compile("\x1b\\[[0-9;]*m")
 
 
 def columns(stream: object) -> int:
-    """Return the number of columns of a stream: `COLUMNS`, else the terminal's, else 80."""
+    """Return the width of a stream in columns: `COLUMNS`, else the terminal's, else 80."""
     with suppress(ValueError):
         wanted = int(os.environ.get("COLUMNS", ""))
         if wanted > 0:
@@ -51,7 +51,7 @@ def _cells_of(character: str) -> int:
 
 
 def wrapped(text: str, width: int, first: str = "", further: str = "") -> list[str]:
-    """Break a text at blanks into lines of a width; only a longer word exceeds it.
+    """Return the lines of a text broken at blanks; only a longer word exceeds the width.
 
     A text between backticks is one word unless it is long. The first line begins with `first`, each
     further line with `further`. A reference alone on the last line takes the word before it along.
@@ -81,7 +81,7 @@ _CONVERSION = "conversion"
 
 
 def compared(extra: Mapping[str, int]) -> str:
-    """Return the difference of costs in words; "costs the same" if there is none.
+    """Return differences of costs in words, or "costs the same" without any.
 
     `{"nodes": 1, "conversion": 2}` is `costs 1 node more, conversion cost +2`.
     """
@@ -97,7 +97,7 @@ def compared(extra: Mapping[str, int]) -> str:
 
 
 def spent(costs: Mapping[str, int]) -> str:
-    """Return costs in words, as in `2 nodes and 6 relationships`; empty if all are 0."""
+    """Return costs in words, as in `2 nodes and 6 relationships`; "" if all are 0."""
     counts = [
         f"conversion cost {number}" if name == _CONVERSION else counted(number, _UNITS[name])
         for name, number in costs.items()

@@ -77,7 +77,7 @@ def _growing(
 
 
 def _assigned(clause: Clause, carried: frozenset[str]) -> Mapping[str, SyntaxNode]:
-    """Return the terms of equations `Y = X + 1` by variable, for variables not in `carried`."""
+    """Return the terms of equations `Y = X + 1` by variable, except variables in `carried`."""
     return {
         name: term
         for each in clause.body.comparisons

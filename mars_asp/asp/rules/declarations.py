@@ -146,7 +146,7 @@ class Declaration:
         return f"{name}({inside})" if inside else name
 
     def with_constants(self, known: str, more: tuple[str, ...]) -> "Declaration":
-        """Return the declaration where arguments that list `known` list `more` constants, too."""
+        """Return the declaration where arguments that list `known` also list `more` constants."""
         if not any(known in each.constants for each in self.arguments):
             return self
         arguments = tuple(

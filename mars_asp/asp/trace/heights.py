@@ -24,7 +24,7 @@ from mars_asp.asp.trace.firings import (
 
 
 class _Tally:
-    """The value of an aggregate over the elements so far, and the firings that wait for more."""
+    """The value of an aggregate over the elements reached so far, and the firings that need it."""
 
     def __init__(self, counted: Counted) -> None:
         self._function = counted.function
