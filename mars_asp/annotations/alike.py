@@ -32,7 +32,7 @@ _STRANGE = re.compile(rf"@(?!(?:{_WITHIN})\b)")
 def read_alike(
     path: str, lines: Sequence[str], blocks: Sequence[tuple[int, int]]
 ) -> dict[int, Module]:
-    """Return the modules of blocks without problems, by their first lines.
+    """Return the modules of blocks without problems, by the line at which a block begins.
 
     `lines` are the lines of the file, `blocks` the first and last line of each block, from 1.
     """
@@ -60,7 +60,7 @@ def is_closed(lines: Sequence[str], block: tuple[int, int]) -> bool:
 
 
 def _read_block(text: str, around: _Around) -> Module | None:
-    """Return the module of a single block, or None if it has problems or unusual words."""
+    """Return the module of a block, or None if it has problems or needs the full reader."""
     body, _, end = around[1].rpartition("\n")
     if end.strip(" \t") != _LAST or _STRANGE.search(body):
         return None
@@ -69,7 +69,7 @@ def _read_block(text: str, around: _Around) -> Module | None:
 
 
 def _placed(module: Module, name: str, path: str, below: int) -> Module:
-    """Return a module with another name, moved down by `below` lines."""
+    """Return a copy of a module with another name and path, moved down by `below` lines."""
 
     def at(span: Span) -> Span:
         _, line, column, end_line, end_column = span

@@ -193,7 +193,7 @@ def read_vertex(text: str) -> tuple[int, Transformation] | list[ArgumentProblem]
 
 
 def parts(text: str) -> Iterator[tuple[int, str]]:
-    """Yield the texts between commas outside of brackets, with their offsets."""
+    """Yield offset and text between commas outside of brackets."""
     if not _BRACKETS.search(text):
         begin = 0
         for part in text.split(","):

@@ -120,7 +120,7 @@ def annotated_comments(language: str, text: str) -> Iterator[tuple[int, int]]:
 
 
 def annotation_end(text: str, at: int) -> int:
-    """Return the end of an annotation without comment marks, or of a continuation line."""
+    """Return the end of the unmarked annotation, or its continuation line, that begins at `at`."""
     found = _UNMARKED.match(text, at)
     return found.end() if found else at
 

@@ -65,13 +65,13 @@ class Misspelt:
 
 @dataclass(frozen=True, slots=True)
 class Uncompared:
-    """The first unknown word beyond the number that is compared with annotation words."""
+    """The first unknown word after too many unknown words to compare."""
 
     offset: int
 
 
 class _DirectiveWords:
-    """Finds annotation words and misspelt ones; `meant` maps each word to the correct one."""
+    """Finds annotation words and misspelt ones; `meant` has the correct word of each."""
 
     def __init__(self) -> None:
         self.meant: dict[str, str] = {}

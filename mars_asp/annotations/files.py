@@ -90,7 +90,10 @@ def _match(
     seen: set[tuple[str, int]],
     entries: "Entries",
 ) -> None:
-    """Add the paths below a folder that match the parts of a glob, each folder once."""
+    """Add to `found` the paths below a folder that match the parts of a glob.
+
+    `seen` are the visited pairs of folder and remaining parts, `entries` lists folders.
+    """
     key = os.path.realpath(folder), len(parts)
     if not parts or key in seen or key[0] in KERNEL:
         if not parts and os.path.lexists(folder):
@@ -116,7 +119,7 @@ def _match(
 
 @dataclass
 class Entries:
-    """Lists folders, up to a total number of entries that no robot has.
+    """Lists folders, up to a limit of entries in total.
 
     `named_in` is the file that names the folders, or None if the user names them.
     """
@@ -186,7 +189,7 @@ def extract(
 
 
 def _hidden(file: Path, wrong: Sequence[Diagnostic], place: Span | None) -> Iterator[Diagnostic]:
-    """Yield a diagnostic for the mistakes in a file that are not shown, if there are any."""
+    """Yield one diagnostic in place of the mistakes in a file outside of the project."""
     if wrong:
         severity = min((each.severity for each in wrong), key=("error", "warning", "note").index)
         message = f"mistakes in `{file}` are not shown: {OUTSIDE}"
@@ -198,7 +201,7 @@ def _hidden(file: Path, wrong: Sequence[Diagnostic], place: Span | None) -> Iter
 def _source_files(
     paths: Iterable[Path], named_at: Mapping[Path, Span], named_in: str
 ) -> Iterator[tuple[Path, Path, os.stat_result | OSError]]:
-    """Yield each file once, after the path that leads to it, and with its status.
+    """Yield (named path, file, status) for each file of some paths, without duplicates.
 
     Raises:
         MarsError: a folder holds too many files.
@@ -326,7 +329,7 @@ def read_source(path: Path) -> Source:
 
 
 def reread(found: Extraction, path: str, text: str) -> Extraction:
-    """Return an extraction in which one of its files has another text."""
+    """Return an extraction in which the file at `path` has the content `text`."""
     language = _language(Path(path).name)
     assert language is not None, "the file is a source"
     modules, problems = read_modules(Source(path, language, text))

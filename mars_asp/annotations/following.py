@@ -23,7 +23,7 @@ _AFTER_PARAMETERS = {"go": re.compile(r"[()\[\];]|\{(?=[ \t]*\n)")}
 
 @dataclass(frozen=True, slots=True)
 class Endless:
-    """The offset of a declaration that exceeds the maximal length."""
+    """A declaration that exceeds the maximal length, by its offset."""
 
     offset: int
 
@@ -45,7 +45,7 @@ class Following:
 
 
 def signature_declaration(source: Source, signature: Directive) -> Following:
-    """Read the declaration of a `@Signature`; a text that ends with a comma is endless."""
+    """Return the declaration that a `@Signature` states."""
     if signature.rest.endswith(","):
         return Following(Endless(0), signature.place, True)
     text = signature.rest.rstrip(":;") + (":" if source.language == "python" else ";")
@@ -54,7 +54,7 @@ def signature_declaration(source: Source, signature: Directive) -> Following:
 
 
 def following(source: Source, begin: int, end: int) -> Following:
-    """Read the declaration between two offsets, with no more text than it needs."""
+    """Return the declaration between two offsets, reading no more text than necessary."""
     for most in _STEPS:
         stretch = source.stretch(begin, max(begin, end), most)
         read = read_declaration(source.language, stretch.text, stretch.code)
@@ -73,7 +73,7 @@ def following(source: Source, begin: int, end: int) -> Following:
 def _is_whole(
     language: str, read: SourceDeclaration | NoFunction | None, stretch: SourceRange
 ) -> bool:
-    """Whether a text that is cut off contains the whole declaration.
+    """Whether a text that is cut off contains all of a declaration.
 
     The declaration extends beyond the parameters: to a return type, or to the types of old C.
     """

@@ -42,7 +42,7 @@ def read_modules(source: Source) -> tuple[tuple[Module, ...], tuple[Diagnostic, 
 
 @dataclass(slots=True)
 class _OpenBlock:
-    """A module that is not closed yet; `named` is whether it had a `@module_name`."""
+    """A module whose `@module_end` was not read yet; `named` is whether it has a `@module_name`."""
 
     start: Directive
     named: bool = False
@@ -69,7 +69,7 @@ class _ModuleReader:
         self.excused = False
 
     def read(self, found: Directive | Misspelt) -> None:
-        """Read an annotation with its spelling corrected, so that one mistake is reported once."""
+        """Read an annotation; a misspelt one is corrected, to report one mistake once."""
         directive = found.corrected if isinstance(found, Misspelt) else found
         wrong_case = directive.written != directive.word
         if self.open is not None:
@@ -99,7 +99,7 @@ class _ModuleReader:
         self.pending.until = directive.until
 
     def read_inside(self, module: _OpenBlock, directive: Directive, misspelt: bool) -> None:
-        """Read an annotation inside of a module; a misspelt one only as far as it is clear."""
+        """Read an annotation in a module; a misspelt one only as far as it is clear."""
         word = directive.word
         if word == "module_end":
             self.end(module, directive.offset)
@@ -121,7 +121,7 @@ class _ModuleReader:
             self.pending.add(directive)
 
     def orphan(self, directive: Directive) -> None:
-        """Report the first of the annotations that a missing `@module_start` leaves outside."""
+        """Report an annotation outside of a module, if the one before was not outside as well."""
         if self.excused:
             # Unreported problems count as well, so that reading ends.
             self.problems.errors += 1
@@ -217,7 +217,7 @@ class _ModuleReader:
             module.attributes[key] = Attribute(name, span, value)
 
     def end(self, module: _OpenBlock, offset: int) -> None:
-        """Close a module; keep it if it has a name."""
+        """End a module at an offset of the source; add it unless its name is missing, an error."""
         module.services += self.pending.settle(offset, closing=True)
         self.open = None
         if not module.named:

@@ -27,13 +27,13 @@ _BEFORE = (
 
 
 class Pending:
-    """The annotations that wait for their declaration.
+    """The function annotations and overrides whose declaration was not read yet.
 
     `until` is the offset after the last annotation, where the declaration may begin.
     """
 
     def __init__(self, problems: Problems) -> None:
-        """Prepare for the source of `problems`."""
+        """Begin without annotations; `problems` collects those of the source."""
         self.until = 0
         self._problems = problems
         self._source = problems.source
@@ -42,7 +42,7 @@ class Pending:
         self._overrides: list[Directive] = []
 
     def add(self, directive: Directive) -> None:
-        """Read a function annotation or an override."""
+        """Add a function annotation or an override; report its problems."""
         if len(self._services) + len(self._overrides) >= MOST_ANNOTATIONS:
             message = f"more than {MOST_ANNOTATIONS} annotations on one declaration"
             help_text = "remove the repeated ones"
@@ -92,7 +92,7 @@ class Pending:
         return self._bind(services, after.found, after.place, result)
 
     def _following(self, offset: int) -> Following:
-        """Read the declaration of a `@Signature`, or else the one before an offset."""
+        """Return the declaration of a `@Signature`, else the one before an offset."""
         signatures = [d for d in self._overrides if d.word == "Signature" and d.rest]
         for again in signatures[1:]:
             self._problems.note_word(
@@ -113,7 +113,7 @@ class Pending:
             )
 
     def _note_missing(self, result: Following, first: Directive) -> None:
-        """Report that no declaration follows the first of some annotations."""
+        """Report that no declaration follows `first`, the first of some annotations."""
         found = result.found
         if isinstance(found, NoFunction):
             # A string may have many lines.
@@ -183,7 +183,7 @@ class Pending:
 
 
 def _read_service(directive: Directive, span: Span) -> Service | list[ArgumentProblem]:
-    """Read a function annotation without its declaration."""
+    """Return the service of a function annotation without declaration, or its problems."""
     kind = next(kind for kind in SERVICE_KINDS if kind == directive.word)
     if kind == "ControlOut":
         commands = read_commands(directive.rest)

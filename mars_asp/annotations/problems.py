@@ -55,7 +55,7 @@ class Problems:
             self.note(each.code, begin, end, each.message, each.help)
 
     def note_twice(self, directive: Directive, what: str, earlier: Span | None = None) -> None:
-        """Report an annotation that repeats another one of its module."""
+        """Report that the annotation `what` occurs twice in a module, `earlier` first."""
         message = f"`{what}` occurs twice in one module"
         labels = () if earlier is None else ((earlier, "first here"),)
         self.note_word("MARS117", directive, message, "keep one of the two", labels)

@@ -18,9 +18,10 @@ _CONTEXT = "ctx"
 
 @dataclass(frozen=True, slots=True)
 class ServiceSignature:
-    """The representations of a declaration; `remarks` have code, message and help.
+    """The representations of a function's output and inputs.
 
-    `parameters` are the names of the inputs, or None for inputs without names.
+    `parameters` are the names of the inputs, None for unnamed ones; `remarks` have code, message
+    and help.
     """
 
     output: str | None
@@ -32,7 +33,7 @@ class ServiceSignature:
 def read_signature(
     declaration: SourceDeclaration, overrides: Overrides, delivers: bool
 ) -> ServiceSignature:
-    """Return a declaration's representations; `delivers` is whether it needs an output."""
+    """Return a function's representations; `delivers` is whether it must have an output."""
     parameters = list(declaration.parameters)
     remarks: list[tuple[str, str, str]] = []
     output: str | None
@@ -67,7 +68,7 @@ def read_signature(
 def _overridden(
     written: str, parameters: Sequence[DeclaredParameter]
 ) -> tuple[str | None, list[DeclaredParameter]]:
-    """Read `@Output`: a parameter's name, `none` or a type."""
+    """Return the representation that `@Output` states, and the remaining parameters."""
     rest = [parameter for parameter in parameters if parameter.name != written]
     if len(rest) < len(parameters):
         named = next(parameter for parameter in parameters if parameter.name == written)

@@ -78,7 +78,7 @@ class Source(FileText):
     """A text whose lines end with LF and which begins with no byte order mark."""
 
     def __init__(self, path: str, language: str, text: str) -> None:
-        """Keep a text in a language of `comments`."""
+        """Keep a text; `language` is a key of those in `comments`."""
         super().__init__(path, text)
         self.language = "c" if language == "mars" else language
         self._lexicon = language
@@ -111,10 +111,10 @@ class Source(FileText):
                     yield self._comment_line(at, end, mark)
 
     def following(self, line: CommentLine) -> CommentLine | None:
-        """Return the comment line on the line below, or None if there is none or an annotation.
+        """Return the comment line below, which may continue an annotation, or None.
 
-        In a configuration, with annotations without comment marks, it is the line below, or None if
-        that line ends a declaration.
+        It is None if it is an annotation itself. In a configuration, whose annotations have no
+        comment marks, it is the line below, or None if that ends a declaration.
         """
         begin, until, mark = line.end + 1, line.until, line.mark
         opening = _BELOW_HERE.get(mark)
@@ -145,7 +145,7 @@ class Source(FileText):
         return CommentLine(offset, line, end, until, mark)
 
     def _comment_below(self, end: int) -> tuple[int, int] | None:
-        """Return the first comment after the end of a line, or None if not on the line below."""
+        """Return begin and end of the comment on the line below, or None without one."""
         last = min(end + _MOST_BETWEEN, len(self.text))
         first = self.text.find("\n", end, last)
         if first < 0:
@@ -192,7 +192,7 @@ class Source(FileText):
 
 
 def _is_within(spans: Sequence[tuple[int, int]], offset: int) -> bool:
-    """Whether an offset is in one of some spans, which are sorted."""
+    """Whether an offset is in one of the sorted ranges."""
     index = bisect_right(spans, offset, key=lambda span: span[0])
     return index > 0 and offset < spans[index - 1][1]
 

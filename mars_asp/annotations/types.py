@@ -191,7 +191,7 @@ class _TypeReader:
         return _applied(words, arguments)
 
     def generic_bracket(self) -> bool:
-        """Whether a `[` opens arguments; otherwise it is an array's."""
+        """Whether the current `[` opens type arguments and not an array."""
         following = self.peek(1)
         return bool(following) and following != "]" and not following[0].isdigit()
 
@@ -250,7 +250,7 @@ class _TypeReader:
         return found
 
     def is_array(self, closing: str) -> bool:
-        """Whether a `[` among arguments begins an array of Rust or Go."""
+        """Whether a `[` among arguments begins an array in Rust or Go."""
         return closing == ">" or (self.peek(1) == "]" and self.peek(2) not in (",", "]"))
 
     def argument(self, closing: str) -> str | None:
@@ -319,7 +319,7 @@ def _type_arguments(arguments: list[str | None]) -> str:
 
 
 def _applied(words: list[str], arguments: list[str | None] | None) -> str | None:
-    """Return a name with its arguments, wrappers seen through."""
+    """Return a name with its arguments, without wrappers such as `shared_ptr`."""
     last = words[-1]
     name = "::".join([*(word for word in words[:-1] if word not in ROS_FOLDERS), last])
     first = arguments[0] if arguments else None

@@ -127,7 +127,7 @@ def _part(project: "Project", is_painted: bool, arguments: argparse.Namespace) -
 
 
 def _box_and_port(written: str, picture: "Picture", project: "Project") -> tuple[str, str | None]:
-    """Return the shown names of a box and its port, None without a port, for `MODULE.PORT`.
+    """Return the shown names of a box and its port (None without one) in `MODULE.PORT`.
 
     Raises:
         MarsError: there is no module or port of that name.

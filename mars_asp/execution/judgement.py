@@ -64,9 +64,9 @@ _LONGEST = 200
 
 @dataclass(frozen=True, slots=True)
 class Requirement:
-    """A requirement with the consequences that violate it.
+    """A requirement with the findings that violate it, or that leave it undecided.
 
-    `undecided` are the consequences by which the run ended too early to decide it.
+    `undecided` are findings that the run ended too early to decide it.
     """
 
     name: str
@@ -115,7 +115,7 @@ class Judgement:
 
 
 def run_rulebook(packs: Sequence[Path] = ()) -> Rulebook:
-    """Return only the rules that judge a run, with those of packs.
+    """Return the rules that judge a run: built-in ones and those of packs.
 
     Raises:
         MarsError: a pack has errors.
@@ -149,7 +149,7 @@ def _configuration_signatures(rulebook: Rulebook) -> frozenset[Signature]:
 
 
 def judge(trial: Trial, rulebook: Rulebook | None = None) -> Judgement:
-    """Return every requirement with its verdict."""
+    """Return the verdict on each requirement of a run, and its warnings."""
     rulebook = rulebook or run_rulebook()
     plan = trial.executor.plan
     project = with_brought(Project(plan.configuration, plan.modules, ()), rulebook.brought)
@@ -216,7 +216,7 @@ def _facts(trial: Trial) -> Iterator[Fact]:
 
 
 def _at_work(trial: Trial) -> Iterator[Fact]:
-    """Yield the numbers of runs of modules and of messages at their inputs."""
+    """Yield facts with the number of runs of each module and of messages at its inputs."""
     executor, plan = trial.executor, trial.executor.plan
     for name, runs in executor.run_counts.items():
         yield _seen("obeyed_commands" if name in executor.effectors else "ran", name, runs)
@@ -292,7 +292,7 @@ def _place_text(x: float, y: float) -> str:
 
 
 def _written_numbers(facts: Iterable[Fact]) -> Iterator[Fact]:
-    """Yield the texts, with units, of numbers whose unit depends on another argument."""
+    """Yield facts with texts of numbers whose unit depends on another argument."""
     numbers: dict[tuple[str, int], None] = {}
     for fact in facts:
         arguments = fact.atom.arguments
@@ -308,7 +308,7 @@ def _written_numbers(facts: Iterable[Fact]) -> Iterator[Fact]:
 
 
 def in_words(unit: str, number: int) -> str:
-    """Return a number of occurrences, or a rate (a width for a grasp) of a function, as text."""
+    """Return a number in words: a count, or a rate or width of the function `unit`."""
     if unit == _TIMES:
         return {1: "once", 2: "twice"}.get(number, f"{number} times")
     if unit == GRASP:
@@ -374,7 +374,7 @@ def _control(trial: Trial) -> Iterator[Fact]:
 
 
 def _arbitrated(name: str, arbiter: HierarchicalArbitration, now: int) -> Iterator[Fact]:
-    """Yield each period in which an arbiter forwarded one controller and another was in force.
+    """Yield the periods in which an arbiter obeyed one controller while another was in force.
 
     Both lists are ordered by time, so one pass finds the overlaps; rules would compare all pairs.
     """
@@ -434,7 +434,7 @@ def _limits(trial: Trial) -> Iterator[Fact]:
 
 
 def _functions(trial: Trial) -> Iterator[Fact]:
-    """Yield the stated functions of each effector, and those of its simulated device."""
+    """Yield facts with each effector's stated functions, and those of its device."""
     modules = trial.executor.plan.modules
     for name in trial.executor.effectors:
         for function in modules[name].functions if name in modules else ():

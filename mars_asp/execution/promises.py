@@ -45,7 +45,7 @@ def promises(trial: Trial) -> Iterator[LinkStats]:
 
 
 def _begins(trial: Trial) -> dict[Link, float]:
-    """Return the time (ns) from which each link can deliver at its promised rate, inf if never.
+    """Return the time (ns) from which each link can deliver at the promised rate; inf if never.
 
     Stated delays of the scenario delay the results of a module; a splitter that repeats messages
     has to receive one first.

@@ -107,7 +107,7 @@ class Trial:
         return times
 
     def together(self, first: str, second: str) -> tuple[float, float]:
-        """Return the seconds in which two functions overlap, and when they first do."""
+        """Return for how many seconds two functions are active at once, and when first."""
         changes = sorted(
             (at, number, step)
             for number, function in enumerate((first, second))
@@ -276,7 +276,7 @@ def _body(
 
 
 def _check_starts(bodies: Sequence[Body], scenario: Scenario) -> None:
-    """Raise MarsError for each robot that starts in an obstacle or another robot."""
+    """Raise MarsError, with all errors, if robots start in an obstacle or another robot."""
     problems = []
     for k, body in enumerate(bodies):
         gaps = [(body.gap(), "something solid")]
@@ -358,7 +358,7 @@ def _scattered(scatter: Mapping[str, Any], scenario: Scenario) -> Iterator[Circl
 
 
 def _limit(function: Function) -> float | None:
-    """Return the maximal rate of a function (of a grasp its maximal width), or None."""
+    """Return the maximal rate of a function, for a grasp the width; None if it states none."""
     limit = function.max if function.name == GRASP else function.rate
     return None if limit is None else float(limit)
 

@@ -51,7 +51,7 @@ _SIGNS = frozenset(("::", "*", "&", "&&", "^"))
 
 
 def read_c(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoFunction:
-    """Read type, name and parameters after templates, attributes, labels and macros."""
+    """Return the function declaration at the begin of C or C++ tokens, or the first other token."""
     first = min(_after_prefix(tokens), len(tokens) - 1)
     none = NoFunction(tokens[first].offset, tokens[first].text)
     head: list[SourceToken] = []
@@ -93,7 +93,7 @@ def read_c(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoFu
 
 
 def _after_prefix(tokens: Sequence[SourceToken]) -> int:
-    """Return the index after attributes, templates and access labels."""
+    """Return the index after attributes, `template <...>` and access labels."""
     at = 0
     while at < len(tokens):
         text, following = text_at(tokens, at), text_at(tokens, at + 1)
@@ -116,7 +116,7 @@ def _after_prefix(tokens: Sequence[SourceToken]) -> int:
 
 
 def _after_requires(tokens: Sequence[SourceToken], at: int) -> int:
-    """Return the index after a constraint: primaries joined by `&&` and `||`."""
+    """Return the index after the constraint of a `requires`."""
     while at < len(tokens):
         if text_at(tokens, at) == "!":
             at += 1
@@ -137,7 +137,7 @@ def _after_requires(tokens: Sequence[SourceToken], at: int) -> int:
 
 
 def _is_macro_call(tokens: Sequence[SourceToken], head: Sequence[SourceToken], end: int) -> bool:
-    """Whether brackets, closed before `end`, belong to a macro before the declaration."""
+    """Whether the brackets before `end` are those of a macro before a declaration."""
     following = text_at(tokens, end)
     goes_on = (is_word(following) and following not in _AFTER) or following == "::"
     if not head or not goes_on:
@@ -148,7 +148,10 @@ def _is_macro_call(tokens: Sequence[SourceToken], head: Sequence[SourceToken], e
 def _bracketed(
     tokens: Sequence[SourceToken], head: Sequence[SourceToken], at: int, offset: int
 ) -> SourceDeclaration | None:
-    """Read on from the first bracket, which encloses the parameters or a part of the declarator."""
+    """Return the function whose first bracket is at `at`: of its parameters or its declarator.
+
+    `head` are the tokens before it, `offset` is the begin. It is None if it is no function.
+    """
     end = closing(tokens, at)
     inside = tokens[at + 1 : end - 1]
     signs = set(texts(inside[:1])) & {"*", "&", "&&", "^"}
@@ -170,7 +173,7 @@ def _bracketed(
 def _operator(
     tokens: Sequence[SourceToken], head: Sequence[SourceToken], at: int
 ) -> SourceDeclaration | None:
-    """Read an operator; a conversion has its type after the word `operator`."""
+    """Return the function of an `operator`; for a conversion its type follows this word."""
     stop = at + 1
     if text_at(tokens, stop) == "(":
         stop += 2
@@ -202,7 +205,7 @@ def _opens_arguments(tokens: Sequence[SourceToken], at: int) -> bool:
 def _read_function(
     tokens: Sequence[SourceToken], head: Sequence[SourceToken], at: int, offset: int
 ) -> SourceDeclaration | None:
-    """Read from the bracket that opens the parameters; `head` are the tokens before it."""
+    """Return the function whose parameters begin at `at`; None for other code."""
     parts = units(head)
     if not parts or parts[-1].kind != "name":
         return None
@@ -266,7 +269,7 @@ def _trailing(tokens: Sequence[SourceToken], at: int) -> str | None:
 def _old_style(
     tokens: Sequence[SourceToken], found: Sequence[Sequence[SourceToken]], end: int
 ) -> tuple[DeclaredParameter, ...] | None:
-    """Read Kernighan and Ritchie's form, in which types follow the brackets."""
+    """Return parameters in K&R style, whose types follow the brackets; None for others."""
     names = [declarator[0].text for declarator in found if len(declarator) == 1]
     following = text_at(tokens, end)
     if not names or len(names) < len(found) or not is_word(following):

@@ -28,7 +28,7 @@ _BRACKETS = frozenset("([{<")
 
 
 def declarators(tokens: Sequence[SourceToken]) -> list[Sequence[SourceToken]]:
-    """Split the tokens within brackets at commas; leave out attributes and defaults."""
+    """Return the tokens of each parameter, without attributes and defaults."""
     return [before(group, "=") for group in split(without_attributes(tokens))]
 
 
@@ -68,7 +68,7 @@ def _with_angles(tokens: Sequence[SourceToken]) -> list[tuple[int, str]]:
 
 
 def _bracketed(tokens: Sequence[SourceToken], at: int) -> DeclaredParameter | None:
-    """Read a parameter with brackets: `T (*f)(...)`, `T (&a)[N]`, `T f(...)`, `MACRO(T x)`."""
+    """Return a parameter with brackets, such as `T (*f)(...)` or `MACRO(T x)`; None for others."""
     end = closing(tokens, at)
     inside = tokens[at + 1 : end - 1]
     names = [part for part in units(tokens[:at]) if part.kind in ("name", "builtin", "placeholder")]
@@ -121,7 +121,7 @@ def _split_name(tokens: Sequence[SourceToken], arrays: str) -> DeclaredParameter
 
 
 def _is_out(parts: Sequence[Unit]) -> bool:
-    """Whether the target of a pointer or reference type is writable."""
+    """Whether the target of a pointer or reference type can be written."""
     words = [part.text for part in parts if part.kind in ("specifier", "sign")]
     stars = [at for at, text in enumerate(words) if text in ("*", "&")]
     return bool(stars) and "const" not in words[: stars[-1]]
@@ -130,7 +130,7 @@ def _is_out(parts: Sequence[Unit]) -> bool:
 def read_old_style(
     names: Sequence[str], tokens: Sequence[SourceToken]
 ) -> tuple[DeclaredParameter, ...] | None:
-    """Read the declarations between `)` and `{` in Kernighan and Ritchie's form.
+    """Return the parameters declared between `)` and `{` in K&R style.
 
     The result is None if they declare anything except the named parameters.
     """

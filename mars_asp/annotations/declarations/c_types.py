@@ -79,7 +79,7 @@ class Unit(NamedTuple):
 
 
 def units(tokens: Sequence[SourceToken]) -> list[Unit]:
-    """Divide tokens into names, builtin words, specifiers and signs."""
+    """Return the components of a type: names, builtin words, specifiers and signs."""
     found: list[Unit] = []
     at = 0
     while at < len(tokens):

@@ -18,7 +18,7 @@ from mars_asp.annotations.declarations.tokens import (
 
 
 def read_go(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoFunction:
-    """Read `func (receiver) name[...](parameters) results`."""
+    """Return the function `func (receiver) name(parameters) results`, or the first other token."""
     first = tokens[0]
     none = NoFunction(first.offset, first.text)
     if first.text != "func":
@@ -40,7 +40,7 @@ def read_go(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoF
 
 
 def _results(tokens: Sequence[SourceToken], at: int, code: str) -> tuple[DeclaredParameter, ...]:
-    """Read the results between the parameters and the body, on the last line of the parameters."""
+    """Return the results that begin at token `at`; none if a line break precedes them."""
     if at >= len(tokens) or "\n" in code[tokens[at - 1].offset : tokens[at].offset]:
         return ()
     if tokens[at].text == "(":

@@ -33,7 +33,7 @@ _STATEMENTS = frozenset(
 
 
 def read_java(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoFunction:
-    """Read `modifiers <T> type name(parameters)` after annotations."""
+    """Return the method `modifiers <T> type name(parameters)`, or the first other token."""
     first = _after_annotations(tokens, 0)
     token = tokens[min(first, len(tokens) - 1)]
     none = NoFunction(token.offset, token.text)

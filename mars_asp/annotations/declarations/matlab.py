@@ -11,7 +11,7 @@ from mars_asp.annotations.declarations.tokens import SourceToken, closing, is_wo
 
 
 def read_matlab(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoFunction:
-    """Read `function [results] = name(parameters)`."""
+    """Return the function `function [results] = name(parameters)`, or the first other token."""
     none = NoFunction(tokens[0].offset, tokens[0].text)
     if tokens[0].text != "function":
         return none

@@ -16,7 +16,7 @@ _SOLID = re.compile(r"\S")
 
 
 def read_python(text: str, code: str, begin: int, end: int) -> SourceDeclaration | NoFunction:
-    """Read the function after any decorators."""
+    """Return the function after any decorators between two offsets, or the first other token."""
     at = begin
     while at < end and code[at] == "@":
         match = _SOLID.search(code, _find(code, "\n", at, end), end)

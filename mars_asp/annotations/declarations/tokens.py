@@ -48,7 +48,7 @@ def texts(tokens: Sequence[SourceToken]) -> list[str]:
 
 
 def joined(tokens: Sequence[SourceToken]) -> str:
-    """Return tokens as one text, with blanks only where two words would run together."""
+    """Return the text of tokens, with blanks only between words."""
     pieces: list[str] = []
     after_word = False
     for text, _ in tokens:
@@ -95,7 +95,7 @@ def angle(tokens: Sequence[SourceToken], at: int, expression: bool = False) -> i
 
 
 def after_angle(tokens: Sequence[SourceToken], at: int) -> int:
-    """Return the index after the arguments that open at `at`, or after `at` if none do."""
+    """Return the index after template arguments that begin at `at`, else `at + 1`."""
     end = angle(tokens, at)
     return at + 1 if end is None else end
 
@@ -103,7 +103,7 @@ def after_angle(tokens: Sequence[SourceToken], at: int) -> int:
 def split(
     tokens: Sequence[SourceToken], angles: bool = True, sign: str = ","
 ) -> list[list[SourceToken]]:
-    """Split at the signs outside of all brackets; `angles` is whether `<` opens one."""
+    """Return the tokens between signs outside of brackets; `angles` is whether `<` is a bracket."""
     groups: list[list[SourceToken]] = [[]]
     index, value, compares = 0, False, False
     while index < len(tokens):

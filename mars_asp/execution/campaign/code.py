@@ -9,9 +9,9 @@ from pathlib import Path
 
 
 def imported_code(paths: Iterable[Path]) -> dict[str, bytes]:
-    """Return files of behaviours and the files beside them that they import, by absolute paths.
+    """Return behaviour files and the files they import from their folders, by absolute path.
 
-    No file is run, so that computed imports are not found.
+    No file is run, so computed imports are not found.
 
     Raises:
         OSError: a file cannot be read.
@@ -29,12 +29,12 @@ def imported_code(paths: Iterable[Path]) -> dict[str, bytes]:
 
 
 def _root(path: Path) -> Path:
-    """Return the folder that contains the top package of a file."""
+    """Return the folder that contains the outermost package of a file."""
     return next(each for each in path.parents if not (each / "__init__.py").is_file())
 
 
 def _imports(source: bytes, folder: Path, folders: Iterable[Path]) -> Iterator[Path]:
-    """Yield the files that a source imports from `folders`, or relative to `folder`."""
+    """Yield the files in `folders`, or relative to `folder`, that a source imports."""
     try:
         tree = ast.parse(source)
     except (SyntaxError, ValueError, RecursionError, MemoryError):

@@ -24,7 +24,7 @@ class Run(NamedTuple):
 
     @property
     def vary(self) -> dict[str, Any]:
-        """The changes in the order of their keys, as in the line of the run."""
+        """The changed values in alphabetical order of their keys, as in the line of the run."""
         return dict(sorted(self.changes.items()))
 
     @property
@@ -34,7 +34,7 @@ class Run(NamedTuple):
 
 
 def run_name(seed: int, vary: Changes) -> str:
-    """Return the name of a run, from the values of its line."""
+    """Return the name of a run, from its seed and its changed values."""
     return json.dumps([seed, vary], sort_keys=True)
 
 

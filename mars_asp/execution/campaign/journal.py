@@ -22,7 +22,7 @@ COUNTED = ("collisions", "min_clearance_mm", "control_time", "turn_while_driving
 
 
 class FinishedRun(NamedTuple):
-    """A run that has ended: its line, with the line feed, and the counted values."""
+    """A finished run: its line in the journal, with line feed, and the values to count."""
 
     line: bytes
     result: Mapping[str, Any]
@@ -54,17 +54,17 @@ def header_of(configuration: str, scenario: str, tool: str) -> bytes:
 
 
 def ended_run(run: Run, result: Mapping[str, Any]) -> FinishedRun:
-    """Return the line of a run from the result that `run` prints."""
+    """Return the journal line of a run; `result` is the JSON that `run` prints."""
     # The seed is first, so that it is easy to find.
     whole = {"seed": run.seed, "vary": run.vary, **result}
     return FinishedRun(_json_line(whole), _counted_values(whole))
 
 
 def read_journal(raw: bytes, header: bytes, path: str) -> Journal:
-    """Return the contents of a file of a campaign with this header.
+    """Return the finished runs in the content `raw` of a campaign's file.
 
     Raises:
-        MarsError: the file is not of a campaign, or of another one.
+        MarsError: the file is not of a campaign, or has another header.
     """
     *lines, torn = raw.split(b"\n")
     if not lines:
@@ -92,7 +92,7 @@ def read_journal(raw: bytes, header: bytes, path: str) -> Journal:
 
 
 def in_order(runs: Iterable[Run], ended: Mapping[str, FinishedRun]) -> list[FinishedRun]:
-    """Return the ended runs in the order of `runs`, then those of earlier grids."""
+    """Return the finished runs in the order of `runs`, then runs that are no longer requested."""
     names = dict.fromkeys((*(run.name for run in runs), *ended))
     return [ended[name] for name in names if name in ended]
 
@@ -119,7 +119,7 @@ def _check_header(line: bytes, header: bytes, path: str) -> None:
 
 
 def _is_run(found: Mapping[str, Any]) -> bool:
-    """Whether an object has all counted values of a run with valid types."""
+    """Whether a JSON object has all values that are counted, with valid types."""
     robots, warnings = found.get("robots", []), found.get("warnings", [])
     return (
         _has_types(
@@ -151,7 +151,7 @@ def _is_run(found: Mapping[str, Any]) -> bool:
 
 
 def _has_types(found: object, **types: type | UnionType) -> bool:
-    """Whether a value is an object with these types of keys; an absent key has None."""
+    """Whether a value is an object whose keys have these types; an absent key counts as None."""
     return isinstance(found, dict) and all(
         isinstance(found.get(key), wanted) for key, wanted in types.items()
     )
@@ -162,7 +162,7 @@ def _is_finite(found: object) -> bool:
 
 
 def _counted_values(whole: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the counted values of a line: whole lines of many runs would need too much memory.
+    """Return the values of a journal line that summaries need, to save memory.
 
     `places` has for each robot with a `reach` goal the time in seconds at which it was reached, or
     None, and the minimal distance (mm).

@@ -17,7 +17,7 @@ _APART = 7.0
 
 
 def plotted_axis(axes: Sequence[Axis]) -> Axis:
-    """Return the axis of the diagram: the first varied one with numbers, or else the first."""
+    """Return the axis to plot: the first varied one with numbers, else the first varied one."""
     several = [axis for axis in axes if len(axis.values) > 1]
     return next((axis for axis in several if _numeric(axis)), several[0])
 

@@ -76,7 +76,7 @@ def share_passed(results: Iterable[_Result]) -> Share:
 
 
 def _requirement_shares(results: Sequence[_Result]) -> dict[str, Share]:
-    """Return for each requirement the share of runs in which it held, of the decided ones."""
+    """Return for each requirement the share of runs in which it held, where it was decided."""
     counts: dict[str, list[int]] = {}
     for result in results:
         for requirement in result["requirements"]:
@@ -94,7 +94,7 @@ def _control_shares(results: Sequence[_Result]) -> dict[str, Share]:
 
 
 def cells(results: Iterable[_Result]) -> list[Cell]:
-    """Return the runs grouped by their varied values, in the order of first lines."""
+    """Return the runs grouped by their varied values, in the order of first occurrence."""
     groups: dict[str, list[_Result]] = {}
     for result in results:
         groups.setdefault(json.dumps(result["vary"], sort_keys=True), []).append(result)
@@ -102,7 +102,7 @@ def cells(results: Iterable[_Result]) -> list[Cell]:
 
 
 def cell_of(vary: Mapping[str, Any], results: Sequence[_Result]) -> Cell:
-    """Return the shares, quantiles and warnings of some runs."""
+    """Return the shares, quantiles and warnings of the runs with the values `vary`."""
     return Cell(
         vary,
         share_passed(results),
@@ -176,7 +176,7 @@ def worst(results: Iterable[_Result]) -> list[_Result]:
 
 
 def _badness(requirement: str, result: _Result) -> tuple[float, ...]:
-    """Return a number that is lower for worse runs, first by the measure of a requirement."""
+    """Return a sort key of runs, lower for worse ones, first by the measure of a requirement."""
     clearance, contacts = result.get("min_clearance_mm"), result.get("collisions") or 0
     near = inf if clearance is None else clearance
     places = (result.get("places") or {}).values()
@@ -191,7 +191,7 @@ def _badness(requirement: str, result: _Result) -> tuple[float, ...]:
 
 
 def summary_json(results: Sequence[_Result], command: Callable[[_Result], str]) -> dict[str, Any]:
-    """Return the last line of a campaign; `command` returns the command that repeats a run."""
+    """Return the summary line of a campaign; `command` returns the command that repeats a run."""
     return {
         **_cell_json(cell_of({}, results)),
         "cells": [{"vary": cell.vary, **_cell_json(cell)} for cell in cells(results)],

@@ -27,7 +27,7 @@ class Holding:
 
 
 class FlatArbitration:
-    """Sends the mean, for each function, of the commands of a period at its end."""
+    """Sends, at the end of each period, the mean of its commands for each function."""
 
     def __init__(
         self, name: str, period: int, schedule: Schedule, rank: int, outputs: Sequence[Link]
@@ -40,7 +40,7 @@ class FlatArbitration:
         schedule.at(period, rank, self.end_period)
 
     def input(self, link: Link) -> Callable[[Message], None]:
-        """Return the receiver of the commands of one controller."""
+        """Return the function that receives the commands of one controller."""
         return self.arrived.append
 
     def end_period(self) -> None:
@@ -78,7 +78,7 @@ class _Input:
 
 
 class HierarchicalArbitration:
-    """Forwards the highest priority in force; resumes the next when a hold runs out.
+    """Forwards the command with the highest priority in force, until its hold ends.
 
     With `stops`, a stop is sent when no message is in force; an arbiter that feeds only other
     arbiters leaves this to them. `suppressed` counts, by origin, the messages that were not
@@ -103,7 +103,7 @@ class HierarchicalArbitration:
         self.suppressed: Counter[str] = Counter()
 
     def input(self, link: Link, hold: int) -> Callable[[Message], None]:
-        """Return the receiver of the commands of one controller, in force for `hold` ns."""
+        """Return the function that receives one controller's commands, held for `hold` ns."""
         source = _Input(link, hold)
         self.inputs.append(source)
         return lambda message: self.receive(source, message)
@@ -114,7 +114,7 @@ class HierarchicalArbitration:
         return tuple((source.link, source.in_force) for source in self.inputs)
 
     def receive(self, source: _Input, message: Message) -> None:
-        """Receive a message; forward it at once if it wins."""
+        """Store a message of an input; forward it at once if it has the highest priority."""
         now = self.schedule.now
         until = now + source.hold if message.until is None else message.until
         if until <= now:
@@ -174,7 +174,7 @@ class HierarchicalArbitration:
                 link.send(Message({}, now, NOBODY, until=now))
 
     def _rank_text(self, winner: _Input) -> str:
-        """Return the reason why an input wins over others in force, as text."""
+        """Return the reason why an input wins over the others in force."""
         now, own = self.schedule.now, winner.link.priority
         others = [i for i in self.inputs if i is not winner and i.until > now]
         lower = [f"{i.link.source} ({i.link.priority})" for i in others if i.link.priority < own]

@@ -11,7 +11,7 @@ class InjectedError(RuntimeError):
 
 @dataclass(frozen=True, slots=True)
 class Behaviour:
-    """A module's function and its timing.
+    """The function that a module runs, and its timing.
 
     A sensor's `call()` returns a reading; an algorithm's takes the latest of each input; an
     effector's takes a command. `period` (ns) is for sensors whose annotation has no frequency, and

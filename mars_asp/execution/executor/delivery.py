@@ -18,7 +18,7 @@ Offer: TypeAlias = Callable[[Message], None]
 
 
 class Condition:
-    """Sends the messages that fulfil the condition of a mode."""
+    """Sends those messages that fulfil the condition of a delivery mode."""
 
     def __init__(self, link: Link, mode: Mode) -> None:
         self.link, self.fulfilled, self.of = link, condition(mode), mode.of
@@ -35,7 +35,7 @@ class Condition:
 
 
 class TimeGrid:
-    """Sends the latest message at each tick of a rate, also one of the same instant.
+    """Sends the latest message at each tick of a rate, including one that arrives at the tick.
 
     With `again`, a message without a successor is repeated and counted as stale. Ticks lower 25 Hz
     to 10 Hz exactly; a minimal gap between messages would give 8.3 Hz.
@@ -109,9 +109,10 @@ def open_link(
     rank: int,
     upstream: Callable[[], None] | None,
 ) -> Offer:
-    """Return the entry of a link that delivers in a mode messages `made` in a mode and rate (Hz).
+    """Return the function to which a link's messages are offered, delivering in `mode`.
 
-    `rank` is the rank in the schedule of a clock of the link; `upstream` requests a message.
+    The source makes messages in the mode and rate (Hz) `made`. `rank` is the rank of the link's
+    clock in the schedule; `upstream` requests a message.
     """
     carried, rate = made
     if mode.name == ON_REQUEST:
@@ -133,7 +134,7 @@ def open_link(
 
 
 def number_of(value: Any, field: str | None) -> float:
-    """Return the number that a condition tests: the message, or a named field or entry."""
+    """Return the number that a condition tests: a message, or its field or entry `field`."""
     for part in field.split(".") if field else ():
         value = value[part] if isinstance(value, dict) else getattr(value, part)
     return float(value)
@@ -145,7 +146,7 @@ def lacks_value(mode: Mode) -> bool:
 
 
 def condition(mode: Mode) -> Callable[[float], bool]:
-    """Return the test of one conditional mode; it depends on the numbers tested before.
+    """Return the test of a conditional mode, which depends on the numbers tested before.
 
     NaN fulfils no condition and has no effect on later tests.
 
@@ -214,5 +215,5 @@ def _changing(least: Decimal) -> Callable[[float], bool]:
 
 
 def _difference(one: float, other: float) -> Decimal:
-    """Return the exact difference of two decimals, which are not the same infinity."""
+    """Return the exact difference of two decimals, which must not be equal infinities."""
     return abs(Decimal(repr(one)) - Decimal(repr(other)))

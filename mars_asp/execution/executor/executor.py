@@ -31,7 +31,7 @@ DEFAULT_PERIOD = 100 * MILLISECOND
 
 
 class Executor:
-    """Runs a specification (or a configuration's relationships directly).
+    """Runs a specification, or a configuration without nodes, in simulated time.
 
     `behaviours` has one entry for each module, converters included; only sinks may lack one.
     `command_timeout` is in ns. `observe` is called with every event.
@@ -92,7 +92,7 @@ class Executor:
         return {name: runs for name, runs in counts if runs is not None}
 
     def step_until(self, time: int) -> None:
-        """Run all events up to and including a time (ns)."""
+        """Run all events up to and including `time` (ns)."""
         self.schedule.step_until(time)
 
     def _data_ranks(self) -> list[tuple[int, bool]]:
@@ -106,7 +106,7 @@ class Executor:
         return sorted(ranks)
 
     def _clock(self, name: str) -> Fraction | None:
-        """Return the rate in Hertz of an algorithm's or sink's own clock, or None."""
+        """Return the rate in Hertz of an algorithm's or sink's own clock, None without one."""
         mode, hz = self.plan.made(name)
         if self.plan.kind(name) == "data_out" and mode.name == ON_REQUEST:
             return None
@@ -327,7 +327,7 @@ def _unknown_provider(node: str, name: str, span: Span) -> Diagnostic:
 
 
 def _stands_for_none(plan: Plan, node: str, span: Span) -> Iterator[Diagnostic]:
-    """Yield the reasons why an InheritanceNode does not represent one module."""
+    """Yield errors if an InheritanceNode does not represent exactly one module."""
     named = plan.inheriting.stands_for(node)
     if len(named) > 1:
         names = " or ".join(f"`{name}`" for name in sorted(named))

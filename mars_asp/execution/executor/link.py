@@ -55,7 +55,7 @@ class Failures:
     inputs: tuple[str, ...] = ()
 
     def note(self, error: Exception, now: int, inputs: Sequence[object] = ()) -> None:
-        """Count an exception, unless the scenario injected it."""
+        """Count an exception at time `now` (ns), unless the scenario injected it."""
         if isinstance(error, InjectedError):
             return
         self.count += 1
@@ -112,11 +112,11 @@ class Link:
 
     @property
     def faulty(self) -> bool:
-        """Whether an exception dropped a message."""
+        """Whether an exception dropped a message of the link."""
         return bool(self.fault)
 
     def before(self, time: Fraction) -> int:
-        """Return the number of messages before a time (ns), which must be a recent one."""
+        """Return the number of messages delivered before a time (ns), which must be recent."""
         return self.delivered - sum(at >= time for at in self.latest)
 
     def send(self, message: Message) -> None:
@@ -151,7 +151,7 @@ def fail(
     now: int,
     inputs: Sequence[object] = (),
 ) -> None:
-    """Count an exception, and a dropped message on every link."""
+    """Count an exception, and on each link a dropped message."""
     failures.note(error, now, inputs)
     for link in links:
         link.drop(error)

@@ -51,7 +51,7 @@ class Sensor:
 
 
 class Algorithm:
-    """Computes with the latest of each input, once all have arrived.
+    """Runs a behaviour with the latest message of each input, once all inputs have arrived.
 
     Inputs that arrive in one instant cause one computation. A pulled data input is requested when
     the module runs, and the run waits for the answer. With `commands` the results are commands,
@@ -126,7 +126,7 @@ class Algorithm:
             self.queue(self.compute)
 
     def ask(self) -> None:
-        """Request the pulled inputs; the computation follows the last answer."""
+        """Request the pulled inputs; the run follows the last answer."""
         self.queued = False
         if self.waiting:
             return
@@ -166,7 +166,7 @@ class Algorithm:
 
 
 class Effector:
-    """Obeys the latest command as long as it is in force by its arbiter, then rests.
+    """Obeys the latest command while its arbiter holds it in force, then rests.
 
     Without an arbiter, it rests when no command came for `timeout` ns. It ignores the functions in
     `left`, which an InheritanceNode with the same commands carries out.
@@ -193,7 +193,7 @@ class Effector:
         self.runs = 0
 
     def position(self) -> Mapping[str, float]:
-        """Return the value of each motion in degrees and mm, measured or else computed."""
+        """Return the values of the motions in degrees and mm, measured or else computed."""
         if self.behaviour.position is not None:
             return self.behaviour.position()
         seconds = (self.schedule.now - self.since) / SECOND

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class DataSplitter:
-    """Copies each message to every output in the same instant, in the specification's order."""
+    """Forwards each message to every output in the same instant, in the specification's order."""
 
     def __init__(self) -> None:
         self.offers: list[Offer] = []
@@ -27,7 +27,7 @@ class DataSplitter:
 
 
 class DataTransformer:
-    """Applies a converter; an exception drops the message and marks the outputs faulty."""
+    """Applies a converter to each message; an exception drops it and marks the outputs faulty."""
 
     def __init__(self, converter: Behaviour, outputs: list[Link], schedule: Schedule) -> None:
         self.convert, self.outputs, self.schedule = converter.call, outputs, schedule
@@ -46,7 +46,7 @@ class DataTransformer:
 
 
 class ControlSplitter:
-    """Copies each command to every output."""
+    """Forwards each command to every output."""
 
     def __init__(self, outputs: list[Link]) -> None:
         self.outputs = outputs
@@ -58,7 +58,7 @@ class ControlSplitter:
 
 
 class InheritanceNode:
-    """Maps a command into the frames of the effectors that provide its functions.
+    """Divides a command among the effectors that provide its functions, in their frames.
 
     `providers` are its outputs, nearest first, and `functions` the own ones of each provider. Among
     similar providers the nearest takes a function, with the allocation `root` the farthest, with
@@ -103,7 +103,7 @@ class InheritanceNode:
                 link.fail(LookupError(f"nothing provides {names} at this posture"), message)
 
     def shares(self, function: str) -> list[tuple[str, str, float]]:
-        """Return the shares of one unit of a function: provider, native function, rate.
+        """Return the shares in one unit of a function: (provider, native function, rate).
 
         A grasp needs no transformation between frames.
         """

@@ -111,7 +111,7 @@ class Plan:
         return tuple(slots)
 
     def left_open(self, link: Link) -> Sequence[str]:
-        """Return the inputs of the client if the link is ambiguous, or () if it is not."""
+        """Return the inputs that an ambiguous link may mean; () for other links."""
         known = self._declared_inputs(link.client)
         return known if link.client_port is None and len(known) > 1 else ()
 
@@ -137,7 +137,7 @@ class Plan:
         return link.client_port or (known[0] if len(known) == 1 else None)
 
     def origin_of(self, link: Link) -> str:
-        """Return the modules or outputs that send the messages or commands of a link, as text."""
+        """Return, as text, the modules from which a link's messages come, through any nodes."""
         if link.kind == "control":
             return " or ".join(dict.fromkeys(self._commanders(link.source)))
         source, seen = link.source, set[str]()
@@ -147,7 +147,7 @@ class Plan:
         return source
 
     def targets_of(self, link: Link, seen: frozenset[str] = frozenset()) -> list[str]:
-        """Return the modules or inputs that receive the messages or commands of a link."""
+        """Return the modules or inputs that a link's messages reach, through any nodes."""
         name = link.client
         if not self.is_node(name):
             port = link.client_port
@@ -184,7 +184,7 @@ class Plan:
         return f"/{origin}/{targets[0] if targets else link.client}"
 
     def kind(self, name: str) -> str:
-        """Return the kind of a node, or sensor, data_out, control_out, sink or effector."""
+        """Return the kind of a node or module: sensor, data_out, control_out, sink or effector."""
         brought = None if name in self.modules else self.configuration.pack_kind(name)
         if brought is not None:
             carries_data = brought.carries == "data"
@@ -283,7 +283,7 @@ class Plan:
         return DEFAULT_HOLD if hz is None else round(Fraction(5 * SECOND, 2) / hz)
 
     def depth(self, name: str, seen: frozenset[str] = frozenset()) -> int:
-        """Return the maximal number of arbiters and commanded controllers on a path to a node."""
+        """Return the maximal number of arbiters and commanded controllers on paths to `name`."""
         if name in seen:
             return 0
         kind = self.kind(name)
@@ -322,12 +322,12 @@ class Plan:
         )
 
     def unknown_providers(self, node: str) -> list[str]:
-        """Return the undescribed ones of several providers, which prevent a choice."""
+        """Return the undescribed providers of a node; they prevent a choice among several."""
         providers = self._provider_links(node)
         return [n for n in providers if n not in self.modules] if len(providers) > 1 else []
 
     def led_by_both(self, node: str) -> str | None:
-        """Return the module of an InheritanceNode if a common controller commands both, or None.
+        """Return the module that a node represents if a controller commands both, else None.
 
         The commands then have functions of the module and functions that it inherits.
         """
@@ -338,7 +338,7 @@ class Plan:
         return None
 
     def left_to_providers(self) -> dict[str, frozenset[str]]:
-        """Return the functions that InheritanceNodes take over for modules of `led_by_both`."""
+        """Return, by module, the functions that InheritanceNodes take over from it."""
         left: dict[str, frozenset[str]] = {}
         for node in self.names:
             name = self.led_by_both(node) if self.kind(node) == "inheritance_node" else None
@@ -362,7 +362,7 @@ class Plan:
         }
 
     def _leads_on(self, name: str) -> bool:
-        """Whether a node or module forwards commands."""
+        """Whether a name is that of a node that forwards commands."""
         return self.inheriting.hands_on(name) or self.kind(name) == "inheritance_node"
 
     def _commanders(self, name: str, seen: frozenset[str] = frozenset()) -> list[str]:

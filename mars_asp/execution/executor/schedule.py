@@ -13,14 +13,14 @@ Action: TypeAlias = Callable[[], object]
 
 
 def tick_time(k: int, hz: Fraction) -> int:
-    """Return the time, in ns, of tick `k` of a rate in Hertz: round(k * 1e9 / hz), exactly."""
+    """Return the time of tick `k` of a rate in ns: round(k * 1e9 / hz), exactly."""
     # Equal to `round(Fraction(...))`, but ten times as fast.
     whole, rest = divmod(k * SECOND * hz.denominator, hz.numerator)
     return whole + (2 * rest > hz.numerator or (2 * rest == hz.numerator and whole % 2))
 
 
 class Clock:
-    """The actions that run at every tick of one rate, from tick 0 on, with one timer."""
+    """The actions at the ticks of one rate, from tick 0 on, which share a timer."""
 
     def __init__(self, hz: Fraction) -> None:
         self.hz, self.ticks = hz, 0
@@ -53,7 +53,7 @@ class Schedule:
         return self._arrivals
 
     def queue(self, rank: int) -> Callable[[Action], None]:
-        """Return a function that queues an event of this instant."""
+        """Return a function that adds an event of a rank to the present instant."""
         return self._queues[rank].append
 
     def at(self, time: int, rank: int, action: Action) -> None:
@@ -85,7 +85,7 @@ class Schedule:
         self.now = max(self.now, time)
 
     def _ring(self) -> None:
-        """Queue the actions of the first timer."""
+        """Queue the actions of the earliest timer."""
         _, rank, _, due = heapq.heappop(self._timers)
         if isinstance(due, Clock):
             self._queues[rank].extend(due.actions)
@@ -97,7 +97,7 @@ class Schedule:
             self._queues[rank].append(due)
 
     def _settle(self) -> None:
-        """Run the events of this instant, the lowest rank first, until none is left."""
+        """Run the events of the present instant by rank until none is left."""
         rank = 0
         while rank < len(self._queues):
             queue = self._queues[rank]

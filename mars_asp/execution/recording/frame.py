@@ -24,9 +24,10 @@ _LEFT = 130.0, 230.0
 
 @dataclass(frozen=True)
 class Frame:
-    """The layout in pixels; `head` and `signs` are the lines of text above and below the plane.
+    """The layout of the diagram of a run, in pixels.
 
-    A running run has no judgement yet.
+    `head` and `signs` are the numbers of text lines above and below the plane. While a run goes on,
+    it has no judgement.
     """
 
     trial: Trial
@@ -106,18 +107,18 @@ class Frame:
 
     @cached_property
     def held(self) -> tuple[tuple[float, float, str], ...]:
-        """Return begin and end in seconds of each period in which a robot obeyed a module."""
+        """Return begin, end (s) and module of each period in which a robot obeyed a module."""
         return tuple(span for robot in self.trial.scenario.robots for span in self.held_by(robot))
 
     def held_by(self, robot: ScenarioRobot) -> Iterator[tuple[float, float, str]]:
-        """Yield begin and end in seconds of each period in which one robot obeyed a module."""
+        """Yield begin, end (s) and module of each period in which one robot obeyed a module."""
         for since, until, name, _ in self.trial.commands(robot):
             if name:
                 yield since, until, name
 
     @cached_property
     def wanted(self) -> tuple[tuple[float, float, str], ...]:
-        """Return begin and end in seconds of each message that was in force at an arbiter."""
+        """Return begin, end (s) and module of each message that was in force at an arbiter."""
         executor = self.trial.executor
         end = executor.schedule.now
         return tuple(

@@ -73,7 +73,7 @@ def round_step(least: float) -> float:
 
 
 def cut(name: str, wide: float) -> str:
-    """Return a name, shortened to a width in pixels."""
+    """Return a name that is shortened to a width in pixels."""
     shown = visible(name)
     if text_width(shown, TEXT) > wide:
         while shown and text_width(f"{shown}…", TEXT) > wide:

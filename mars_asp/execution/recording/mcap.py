@@ -106,7 +106,7 @@ class Entry(NamedTuple):
 
 
 class Foxglove:
-    """Writes each event as a message to an MCAP file, and at the end how robot and world moved.
+    """Writes each event as a message of an MCAP file, and at the end the motion of robot and world.
 
     The same run gives the same bytes. Readers put messages in order by an index. Topics and logs
     have the names of `plan`'s modules; messages between two of its nodes are left out.
@@ -231,7 +231,7 @@ def _cylinder(x: float, y: float, radius: float, colour: tuple[float, float, flo
 
 
 def _line_entity(ends: list[tuple[float, float]], height: float) -> dict[str, Any]:
-    """Return a line from each of `ends` (mm) at an even place to the next."""
+    """Return a Foxglove line through the points `ends` (mm) at a height (m)."""
     return {
         "type": 2,
         "pose": _pose(0.0, 0.0, 0.0),
@@ -249,7 +249,7 @@ def _pose(x: float, y: float, height: float) -> dict[str, Any]:
 
 
 def _vector(x: float, y: float, height: float) -> dict[str, float]:
-    """Return metres of millimetres; a height is in metres."""
+    """Return a point in metres; x and y are in mm, the height in metres."""
     return {"x": x / 1000, "y": y / 1000, "z": height}
 
 

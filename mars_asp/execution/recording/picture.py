@@ -26,7 +26,7 @@ def framed(trial: Trial, judgement: Judgement | None) -> tuple[Frame, Signs]:
 
 
 def plot_run(trial: Trial, judgement: Judgement | None = None) -> str:
-    """Return the SVG of a run, always the same bytes for it; a running one has no judgement."""
+    """Return the SVG diagram of a run; without a judgement it is still running."""
     frame, signs = framed(trial, judgement)
     width, height = SIZE + 2 * MARGIN, frame.bottom + 28
     parts = [
@@ -71,7 +71,7 @@ def _circle(frame: Frame, cx: float, cy: float, radius: float, look: str) -> str
 
 
 def _way(frame: Frame, robot: ScenarioRobot, body: Body) -> Iterator[str]:
-    """Yield a line for each section of the path in which a robot obeyed one module."""
+    """Yield the path of a robot as SVG, one line for each period in which it obeyed a module."""
     left = frame.held_by(robot)
     span = next(left, None)
     colour, points = "", list[str]()

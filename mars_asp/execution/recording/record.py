@@ -20,10 +20,10 @@ class Event(NamedTuple):
 
 
 class Record(Protocol):
-    """A writer of events during a run, which does not keep them in memory."""
+    """A writer of events during a run, which need not fit into memory."""
 
     def observe(self, at: int, what: str, where: str, value: object) -> None:
-        """Write an event of the executor."""
+        """Write an event `what` (see `Event`) of the link or node `where` at a time in ns."""
 
     def end(self, trial: Trial) -> None:
         """Write the data that is complete only at the end of the run."""
@@ -36,16 +36,16 @@ class Lines:
         self._write = write
 
     def observe(self, at: int, what: str, where: str, value: object) -> None:
-        """Write an event."""
+        """Write an event as one line."""
         entries = {"ns": at, "event": what, "where": where, "value": plain(value)}
         self._write(f"{_json(entries)}\n".encode())
 
     def end(self, trial: Trial) -> None:
-        """Do nothing, because each line is an event."""
+        """Do nothing, as all lines are written already."""
 
 
 def plain(value: Any) -> Any:
-    """Return a value for JSON: numbers that are not finite become null, objects their `repr`."""
+    """Return a value as JSON values; infinite numbers become null, objects their `repr`."""
     if value is None or isinstance(value, str | int):
         return value
     if isinstance(value, float):

@@ -36,7 +36,10 @@ class Contact(NamedTuple):
 
 
 class Goal(NamedTuple):
-    """A goal (mm) of a robot; `when` (seconds) it was reached, or else was at `distance`."""
+    """The goal of a robot: a circle (mm), and whether it was reached.
+
+    If it was reached (`there`), `when` is the time (s), else that of the minimal `distance` (mm).
+    """
 
     body: Body
     place: Point
@@ -68,7 +71,7 @@ class Signs:
 
     @cached_property
     def least(self) -> Approach | None:
-        """Return the minimal clearance; None after a contact or while the run goes on."""
+        """Return the approach with the minimal clearance; None after a contact or during a run."""
         if self.contacts or self.judgement is None:
             return None
         return least_approach(self.nearest)
@@ -86,7 +89,7 @@ class Signs:
         return found
 
     def _of(self, *those: Body | str) -> str:
-        """Return ` of ROBOT and ROBOT`, or an empty text if there is only one robot."""
+        """Return ` of ROBOT and ROBOT` for names or bodies, "" if there is only one robot."""
         if len(self.trial.bodies) == 1:
             return ""
         names = [each if isinstance(each, str) else each.name for each in those]
@@ -120,7 +123,7 @@ class Signs:
 
     @cached_property
     def items(self) -> list[tuple[str, str]]:
-        """Return each marker, drawn around (0, 0), with its text."""
+        """Return each marker as SVG around (0, 0), with its text."""
         found = [('<circle r="3.5" fill="#333"/>', "start")]
         for goal in self.goals:
             (x, y), instant = goal.place, f"at {_time(goal.when)}"
@@ -150,7 +153,10 @@ class Signs:
         return found
 
     def listed(self, scale: float) -> list[tuple[float, int, str, str]]:
-        """Return items by x and line, with a bar of a round length at a scale (pixels per mm)."""
+        """Return the items below the plane as (x, line, marker, text), with a scale bar first.
+
+        `scale` is in pixels per mm.
+        """
         # The bar is at most a quarter of the diagram wide.
         length = 1.0 / round_step(1.0 / (SIZE / 4 / scale))
         wide = length * scale
@@ -169,7 +175,7 @@ class Signs:
 
 
 def draw_head(signs: Signs) -> Iterator[str]:
-    """Yield the verdict, above the plane."""
+    """Yield SVG of the verdict, above the plane."""
     for number, (text, colour) in enumerate(signs.head):
         bold = ' font-weight="bold" font-size="14"' if not number else ""
         y = MARGIN + LINE * number + 4
@@ -177,14 +183,14 @@ def draw_head(signs: Signs) -> Iterator[str]:
 
 
 def draw_list(signs: Signs, frame: Frame) -> Iterator[str]:
-    """Yield the scale and the texts of the markers, below the plane."""
+    """Yield SVG of the scale and of the texts of markers, below the plane."""
     for x, line, sign, text in signs.listed(frame.scale):
         y = frame.floor + LINE * line + 14
         yield f'<g transform="translate({x:.1f} {y:.1f})">{sign}{text}</g>'
 
 
 def draw_goals(signs: Signs, frame: Frame) -> Iterator[str]:
-    """Yield the circles of the goals, drawn before paths and robots."""
+    """Yield SVG of the goals' circles, to be drawn before paths and robots."""
     for goal in signs.goals:
         x, y = frame.at(*goal.place)
         ring = _ring(goal.radius * frame.scale)
@@ -192,7 +198,7 @@ def draw_goals(signs: Signs, frame: Frame) -> Iterator[str]:
 
 
 def draw_signs(signs: Signs, frame: Frame) -> Iterator[str]:
-    """Yield the markers of events in the plane."""
+    """Yield SVG of the markers in the plane."""
     for body in signs.trial.bodies:
         start = body.motion[0].pose
         x, y = frame.at(start.forward, start.side)
@@ -211,7 +217,7 @@ def draw_signs(signs: Signs, frame: Frame) -> Iterator[str]:
 
 
 def _least(least: Approach, frame: Frame, radius: float) -> Iterator[str]:
-    """Yield the robot at its minimal clearance, and a line from its rim to the obstacle."""
+    """Yield SVG of the minimal clearance: the robot, and a line from its rim to the obstacle."""
     x, y = frame.at(least.pose.forward, least.pose.side)
     u, v = frame.at(*least.thing)
     whole = (least.gap + radius) or 1.0

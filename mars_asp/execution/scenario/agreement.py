@@ -68,7 +68,10 @@ def _unknown_name(
 
 
 def _unlike(plan: Plan, robots: Sequence[str], name: str, device: str) -> tuple[str, str] | None:
-    """Return message and help if a device does not fit its module; `robots` move robots."""
+    """Return message and help if a device does not suit the module `name`, else None.
+
+    `robots` are the modules that move robots.
+    """
     kind = plan.kind(name).replace("_", " ")
     if robots and (name in robots) != (device == "platform"):
         if name in robots:

@@ -21,7 +21,7 @@ _MOST_TURNS = 1000
 
 
 def contradictions(tables: Mapping[str, Any], wrong: Iterable[Mistake]) -> Iterator[Mistake]:
-    """Yield the contradictions between values of a scenario; invalid ones (`wrong`) are skipped."""
+    """Yield contradictory values of a scenario; the known mistakes `wrong` are skipped."""
     sound = tables
     for mistake in wrong:
         sound = _without(sound, mistake.path) if mistake.path else sound
@@ -51,7 +51,7 @@ def late_faults(faults: Mapping[str, Any], duration: float) -> Iterator[tuple[st
 
 
 def _without(table: Mapping[str, Any], path: Sequence[str | int]) -> Mapping[str, Any]:
-    """Return a table without the value at a path; an entry of a list becomes None."""
+    """Return a copy of a table without the value at a path; a list entry becomes None."""
     key, *rest = path
     inner = table.get(str(key))
     if not rest:
@@ -92,7 +92,7 @@ def _misplaced(script: Sequence[Any], duration: float) -> Iterator[tuple[int, st
 
 
 def _shapeless(world: Mapping[str, Any]) -> Iterator[Mistake]:
-    """Yield walls and polygons with too few points, and obstacles that rest or turn too often."""
+    """Yield walls and polygons with too few points, and obstacles whose motion is invalid."""
     for key, least in _POINTS.items():
         for number, line in enumerate(world.get(key, ())):
             if line is not None and len(set(map(tuple, line))) < least:
@@ -124,6 +124,6 @@ def _scattered(scatter: Mapping[str, Any]) -> Iterator[Mistake]:
 
 
 def _turns(way: Sequence[Sequence[float]], speed: float) -> float:
-    """Return how often in a second an obstacle turns at the points of its way."""
+    """Return how many points of its way an obstacle passes in a second."""
     lengths = [dist(*ends) for ends in pairwise(way)]
     return speed * len(lengths) / sum(lengths)

@@ -83,9 +83,10 @@ def _moved(body: Body, clock: Clock) -> Behaviour:
 
 
 def _mounted_on(plan: Plan, name: str, bodies: Mapping[str, Body]) -> tuple[list[str], str | None]:
-    """Return the mounts of a device, from itself to a robot, and the robot's module.
+    """Return the chain of mounts from a device to a robot, and the robot's module.
 
-    Without mounts, this is the only robot, or None of several. A part has its module's mounts.
+    Without mounts this is the only robot, None if there are several. A part of a module has the
+    mounts of the module.
     """
     whole = name.rpartition(".")[0]
     chain = plan.inheriting.chain(whole if whole in plan.inheriting.mounts else name)
@@ -131,16 +132,17 @@ def _sensor(
 
 
 def _scripted_command(function: str, rate: float | None = None) -> tuple[str, float] | None:
-    """Return the command of an entry of a script, or None if it releases the joystick."""
+    """Return the command of an entry in a joystick's script; None if it is released."""
     return None if rate is None else (function, float(rate))
 
 
 def _way(
     plan: Plan, chain: Sequence[str], scenario: Scenario, joints: Mapping[str, JointDevice]
 ) -> list[tuple[float, float, float, JointDevice | None]]:
-    """Return the links of the mounts from a robot to a device, projected to the plane.
+    """Return the links (forward, side, turn, joint) from a robot to a device, in the plane.
 
-    Rotations about the up axis are kept; tilts and vertices of modules are ignored.
+    Rotations about the up axis are included; tilts and vertices are ignored. `chain` are the
+    mounts.
     """
     ahead, aside = (2, 0) if scenario.up == "y" else (0, 1)
     way = []

@@ -80,7 +80,7 @@ class Functions:
     def _find_function(
         self, name: str, folder: Folder, path: Path, called: str
     ) -> tuple[Callable[..., Any], tuple[str, int] | None]:
-        """Return the callable of a module, and its location."""
+        """Return the callable that `called` names in a file, and its location if known."""
         if not path.is_file():
             text = f"`{_seen_from_here(str(path))}` is not a file"
             raise UnfitError(text, "name a file, relative to the scenario")
@@ -101,7 +101,7 @@ class Functions:
             )
 
     def _part(self, target: Any, part: str, context: Context, knows: bool) -> tuple[Any, bool]:
-        """Return an attribute of a file, class or object, and whether it knows its context."""
+        """Return an attribute of a file, class or object, and whether it got the context."""
         if isinstance(target, type) and not isinstance(getattr(target, part, None), type):
             made, knows = self._made(target, context)
             return method_of(made, part), knows
@@ -118,7 +118,7 @@ class Functions:
         return self.made[context.module, kind]
 
     def _context(self, name: str) -> Context:
-        """Return the context of a module, shared by its parts that have no own parameters."""
+        """Return the context of a module; parts without own parameters share that of the module."""
         declared = self.scenario.bindings.get(name, {})
         owner = name if "parameters" in declared else name.partition(".")[0]
         if owner not in self.contexts:
@@ -140,7 +140,7 @@ class Functions:
 
 
 def _staying(call: Callable[..., Any], folder: Folder) -> Callable[..., Any]:
-    """Return a function that can import files beside it, and fails instead of exiting."""
+    """Return a function that imports from its folder and cannot exit the process."""
 
     def run(*inputs: Any) -> Any:
         try:
@@ -163,7 +163,7 @@ def _seen_from_here(file: str) -> str:
 
 
 def entries(plan: Plan, name: str) -> tuple[EntryPoint, ...] | None:
-    """Return the inputs of a module, or None if the module does not run."""
+    """Return the inputs of a module in a run, or None if the module does not run."""
     if name not in plan.names:
         return (EntryPoint("what it converts"),)
     kind = plan.kind(name)
@@ -187,7 +187,7 @@ def entries(plan: Plan, name: str) -> tuple[EntryPoint, ...] | None:
 
 
 def _parameter_name(plan: Plan, name: str, slot: Slot) -> str | None:
-    """Return the name of the parameter that an input feeds, not the input's `NAME#2`."""
+    """Return the name of the function's parameter that an input feeds, None if unknown."""
     if slot.name is None or name not in plan.modules:
         return slot.name
     known = inputs(plan.modules[name]).get(slot.name)
@@ -309,7 +309,7 @@ def _nanoseconds(milliseconds: float | None) -> int | None:
 
 
 def faulty(behaviour: Behaviour, scenario: Scenario, name: str, clock: Clock) -> Behaviour:
-    """Return a behaviour with the fault that the scenario injects, if any.
+    """Return a behaviour with the fault that the scenario injects into the module `name`, if any.
 
     `silent` returns nothing, `stuck` repeats its last result, `throwing` raises, from `from` to
     `until` seconds; `late` adds `by` ms to the delay and `babbling` runs every `by` ms, always.

@@ -60,7 +60,7 @@ class Scenario:
     places: Mapping[str, Span] = field(default_factory=dict)
 
     def called(self, robot: ScenarioRobot) -> str:
-        """Return the name of a robot for messages, or `the robot` if there is only one."""
+        """Return a robot's name for messages, `the robot` if it is the only one."""
         return "the robot" if len(self.robots) == 1 else f"`{robot.name}`"
 
 
@@ -116,7 +116,7 @@ def read_scenario(text: str, path: Path, changes: Changes = UNCHANGED) -> Scenar
 
 
 def _stands(written: Any, path: Iterable[str | int]) -> bool:
-    """Whether a path of keys and indices exists in tables."""
+    """Whether tables have a value at a path of keys and indices."""
     try:
         for part in path:
             written = written[part]
@@ -151,7 +151,7 @@ def _read_robot(
 def _unclear(
     robots: Sequence[ScenarioRobot], reach: bool, places: Mapping[str, Span]
 ) -> Iterator[Diagnostic]:
-    """Yield names, modules and `reach` goals that do not identify one robot."""
+    """Yield errors for names, modules and `reach` goals that do not identify one robot."""
     for key in ("name", "module"):
         seen = set[str]()
         for robot in robots:
@@ -170,7 +170,7 @@ def _unclear(
 
 
 def _unmoved(robots: Sequence[ScenarioRobot], up: str) -> Iterator[Diagnostic]:
-    """Yield the accelerations of functions that no platform carries out."""
+    """Yield errors for accelerations of functions that no platform has, with axis `up` vertical."""
     able = planar_functions(up)
     for robot in robots:
         for key in ("acceleration", "deceleration"):

@@ -24,7 +24,7 @@ SCHEMA: _Schema = json.loads(Path(__file__).with_name("scenario.schema.json").re
 
 
 def _with_robot(robot: _Schema) -> _Schema:
-    """Return the schema of scenarios with such a `robot`."""
+    """Return the schema of scenarios in which `robot` has this schema."""
     return SCHEMA | {"properties": SCHEMA["properties"] | {"robot": robot}}
 
 
@@ -54,7 +54,7 @@ class Mistake(NamedTuple):
 
 
 def mistakes(tables: Mapping[str, Any]) -> Iterator[Mistake]:
-    """Yield each violation of the schema by a scenario once."""
+    """Yield each violation of the schema by a scenario, without duplicates."""
     entries: set[Mistake] = set()
     for error in Draft4Validator(_whole_schema(tables)).iter_errors(_as_json(tables)):
         path = tuple(error.instance_path)
@@ -65,7 +65,7 @@ def mistakes(tables: Mapping[str, Any]) -> Iterator[Mistake]:
 
 
 def _as_json(value: Any, depth: int = 0) -> Any:
-    """Return a value of TOML as JSON, with invalid substitutes for dates, NaN and infinity."""
+    """Return a TOML value as JSON, where dates, NaN and infinity become invalid values."""
     if isinstance(value, dict | list) and depth < _DEEPEST:
         if isinstance(value, list):
             return [_as_json(each, depth + 1) for each in value]
@@ -76,7 +76,7 @@ def _as_json(value: Any, depth: int = 0) -> Any:
 
 
 def _mistakes(error: ValidationError, path: _Path, tables: Mapping[str, Any]) -> Iterator[Mistake]:
-    """Yield the mistakes that cause an error of the validator at a path."""
+    """Yield the mistakes for an error that the validator reports at a path."""
     kind = error.kind
     key = str(next((part for part in reversed(path) if isinstance(part, str)), ""))
     schema, value = _schema(path, tables), _value_at(path, tables)
@@ -109,14 +109,14 @@ def _mistakes(error: ValidationError, path: _Path, tables: Mapping[str, Any]) ->
 
 
 def _whole_schema(tables: Mapping[str, Any]) -> _Schema:
-    """Return the schema for one robot or several: its errors are clearer than of `SCHEMA`."""
+    """Return the schema for one robot or for several, which gives clearer errors than `SCHEMA`."""
     return _SEVERAL if isinstance(tables.get("robot"), list) else _ONE
 
 
 def _unknown_key(
     path: _Path, key: str, known: Mapping[str, _Schema], tables: Mapping[str, Any]
 ) -> Mistake:
-    """Return the mistake for an unknown key, or a key of another kind of table."""
+    """Return the mistake that a key is unknown, or belongs to another kind of table."""
     table = path[:-1]
     kinds = _plain_schema(table, tables).get("oneOf", ())
     others = [each["properties"]["kind"]["enum"][0] for each in kinds if key in each["properties"]]
@@ -129,13 +129,13 @@ def _unknown_key(
 
 
 def _schema(path: _Path, tables: Mapping[str, Any]) -> _Schema:
-    """Return the schema of a path in a scenario; of a table, that of the stated kind."""
+    """Return the schema of the value at a path; for a table, that of its stated kind."""
     schema = _plain_schema(path, tables)
     return _of_kind(schema, _value_at(path, tables)) if "oneOf" in schema else schema
 
 
 def _plain_schema(path: _Path, tables: Mapping[str, Any]) -> _Schema:
-    """Return the schema of a path, with all kinds of a table."""
+    """Return the schema of the value at a path; for a table, with all its kinds."""
     schema = _whole_schema(tables)
     for count, part in enumerate(path, 1):
         if "oneOf" in schema:
@@ -149,7 +149,7 @@ def _plain_schema(path: _Path, tables: Mapping[str, Any]) -> _Schema:
 
 
 def _of_kind(schema: _Schema, value: Any) -> _Schema:
-    """Return the schema of the stated kind of table, or one with all kinds and all keys."""
+    """Return the schema of the kind that a table states, or one with all kinds and keys."""
     first, *_ = kinds = schema["oneOf"]
     declared = value.get("kind") if isinstance(value, dict) else None
     if declared is None and "required" not in first and isinstance(value, dict):
@@ -170,7 +170,7 @@ def _value_at(path: _Path, value: Any) -> Any:
 
 
 def _misformed_value(path: _Path, tables: Mapping[str, Any]) -> _Path | None:
-    """Return the path of the described value that contains a wrong part, or None."""
+    """Return the path of the described value around a wrong value, or None."""
     for count in range(len(path), 0, -1):
         if "description" in _schema(path[:count], tables):
             return path[:count]
@@ -180,7 +180,7 @@ def _misformed_value(path: _Path, tables: Mapping[str, Any]) -> _Path | None:
 
 
 def _is_beyond(kind: Kind, schema: _Schema, value: object) -> bool:
-    """Whether the error is a number out of range, rather than a wrong type."""
+    """Whether an error of the validator is a number out of range, not a wrong type."""
     if isinstance(kind, Kind.Minimum | Kind.Maximum):
         return schema["type"] == "number" or isinstance(value, int)
     return _is_nan(value)

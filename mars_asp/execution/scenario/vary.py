@@ -39,7 +39,7 @@ _HELP = (
 
 
 class Axis(NamedTuple):
-    """A key and the values to run it with."""
+    """A key of the scenario, and the values that runs use for it."""
 
     key: str
     values: tuple[Any, ...]
@@ -210,7 +210,7 @@ class _NoSuchKeyError(Exception):
 
 
 def _set(tables: dict[str, Any], path: tuple[str, ...], value: Any) -> tuple[str | int, ...]:
-    """Set the value at a path, with indices of lists, and indices or names of robots.
+    """Set the value at a path of tables, in which robots may be named.
 
     Return the path with indices instead of names. Missing tables are created, except for devices:
     an unknown device is an error.
@@ -232,7 +232,7 @@ def _set(tables: dict[str, Any], path: tuple[str, ...], value: Any) -> tuple[str
 
 
 def _next_key(at: Any, part: str, found: list[str | int]) -> str | int:
-    """Return the key or index that `part` denotes in a table or list at the path `found`."""
+    """Return the key or list index that `part` means in a table or list; `found` is its path."""
     name = ".".join(map(str, found))
     if isinstance(at, dict):
         return part

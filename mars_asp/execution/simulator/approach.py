@@ -74,7 +74,7 @@ def approach_at(body: Body, seconds: float, beside: str = THING) -> Approach:
 
 
 def _robot_named(body: Body, name: str) -> Body | None:
-    """Return the robot with a name in the company of a body, or None if it is not a robot."""
+    """Return the robot with a name in the same world as a body, or None without such a robot."""
     others = () if body.company is None else body.company.bodies
     return next((other for other in others if other.name == name != THING), None)
 

@@ -25,7 +25,7 @@ THING = ""
 
 
 def planar_functions(up: str) -> tuple[str, str, str]:
-    """Return the functions that drive ahead, drive aside and turn, if axis `up` is vertical."""
+    """Return the functions that move ahead, move aside and turn if axis `up` is vertical."""
     return ("Trans_Z", "Trans_X", "Rotn_Y") if up == "y" else ("Trans_X", "Trans_Y", "Rotn_Z")
 
 
@@ -87,7 +87,7 @@ class Body:
 
     @property
     def place(self) -> Point:
-        """Return the position of the centre."""
+        """Return the position of the centre in mm."""
         return self.pose.forward, self.pose.side
 
     @property
@@ -108,7 +108,7 @@ class Body:
         return [*found, (self.seconds, self.pose)]
 
     def gap(self) -> float:
-        """Return the gap (mm) from the rim to the world; negative if they overlap."""
+        """Return the gap (mm) between rim and obstacles, negative if they overlap."""
         return self.world.distance(self.place, self.seconds) - self.radius
 
     def rays(self, origin: Point, angles: Floats, reach: float) -> Floats:
@@ -160,7 +160,7 @@ class Body:
         return max(self.clearance, APART)
 
     def is_far(self, seconds: float, fastest: float) -> bool:
-        """Whether no gap falls below `least` until a time; other robots go up to `fastest` mm/s."""
+        """Whether no gap can fall below `least` before a time, with robots up to `fastest` mm/s."""
         spent, most = seconds - self.seconds, self.most
         closing = most + self.world.fastest
         if closing and self.room - closing * spent < self.least:
@@ -197,7 +197,7 @@ class Body:
         self.note(self.room, THING)
 
     def note(self, gap: float, other: str, since: float | None = None) -> None:
-        """Record a gap (mm) to `other`, which occurred now or at some time after `since`."""
+        """Record a gap (mm) to the robot or world `other`, which occurred since `since`, or now."""
         if max(gap, 0.0) < self.clearance:
             self.clearance, self.beside = max(gap, 0.0), other
             self.closest = (self.seconds if since is None else since, self.seconds)
@@ -222,7 +222,7 @@ class Body:
 
 
 def bend(way: MotionSegment) -> float:
-    """Return b so that an arc of t seconds is at most b * t ** 2 mm from its chord."""
+    """Return b such that an arc of t seconds is at most b * t ** 2 mm from its chord."""
     return way.speed * abs(radians(way.turn)) / 8
 
 

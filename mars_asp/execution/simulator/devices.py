@@ -60,7 +60,10 @@ class JointDevice:
 def mounted(
     body: Body, links: Sequence[tuple[float, float, float, JointDevice | None]] = ()
 ) -> Place:
-    """Return the pose function of a device; links (forward, side, turn, joint) lead to it."""
+    """Return a function from a time to the pose of a device mounted by `links` on a robot.
+
+    A link is (forward, side, turn, joint), where `joint` is None for a fixed one.
+    """
 
     def place(seconds: float) -> Pose:
         body.advance(seconds)
@@ -108,7 +111,7 @@ def lidar(
     reach: float = 8000.0,
     sigma: float = 0.0,
 ) -> Callable[[float], list[float]]:
-    """Return the reader of a lidar: `beams` rays over `view` degrees, from the right."""
+    """Return a function from a time to `beams` ranges (mm) over `view` degrees, from the right."""
     bearings = np.radians(np.linspace(-view / 2, view / 2, beams))[:, None]
     return _ranges(body, place, noise, bearings, reach, sigma)
 
@@ -116,7 +119,7 @@ def lidar(
 def _ranges(
     body: Body, place: Place, noise: Random, bearings: Floats, reach: float, sigma: float
 ) -> Callable[[float], list[float]]:
-    """Return the reader of n beams (n, k): the range of the shortest of k rays of each."""
+    """Return a function from a time to n ranges, each the minimum of k rays (`bearings`: n, k)."""
     flat, rays = bearings.ravel(), bearings.shape[-1]
 
     def read(seconds: float) -> list[float]:
@@ -131,7 +134,7 @@ def _ranges(
 
 
 def bumper(body: Body) -> Callable[[float], int]:
-    """Return the reader of a bumper: 1 in contact, else 0."""
+    """Return a function from a time to the reading of a bumper: 1 in contact, else 0."""
 
     def read(seconds: float) -> int:
         body.advance(seconds)
@@ -141,7 +144,10 @@ def bumper(body: Body) -> Callable[[float], int]:
 
 
 def odometry(body: Body, noise: Random, *, sigma: float = 0.0) -> Callable[[float], list[float]]:
-    """Return the reader of an odometer: (forward, side, heading) with relative error `sigma`."""
+    """Return a function from a time to [forward, side, heading], as an odometer estimates it.
+
+    It begins at the true pose; each step has a relative error with deviation `sigma`.
+    """
     believed = [body.pose.forward, body.pose.side, body.pose.heading]
     before = [body.pose]
 
@@ -184,7 +190,7 @@ def marks(
 def joystick(
     script: Sequence[tuple[float, tuple[str, float] | None]],
 ) -> Callable[[float], tuple[str, float] | None]:
-    """Return the reader of a scripted joystick, as a function with its rate, or None if released.
+    """Return a function from a time to the command of a scripted joystick, None if released.
 
     `script` has the time in seconds of each change; before the first, the joystick is released.
     """

@@ -94,7 +94,7 @@ class Fleet:
             self._advance(seconds)
 
     def _fastest(self, speeds: Sequence[float]) -> float:
-        """Return the maximal speed (mm/s) of the robots, or 0 if there is only one."""
+        """Return the maximal speed (mm/s) of the robots, 0 if there is only one."""
         return max(speeds) if len(speeds) > 1 else 0.0
 
     def _advance(self, seconds: float) -> None:
@@ -141,7 +141,7 @@ class Fleet:
     def _look(
         self, ways: Sequence[MotionSegment], until: float, fastest: float
     ) -> tuple[list[int], dict[tuple[int, int], float]]:
-        """Return the robots that may come near an obstacle, and the gaps of near pairs."""
+        """Return the robots that may get near an obstacle, and the gaps of pairs that may."""
         near, pairs = list[int](), dict[tuple[int, int], float]()
         for k, (body, way) in enumerate(zip(self.bodies, ways, strict=True)):
             spent = until - way.since
@@ -237,7 +237,7 @@ class Fleet:
 
 
 def _end_gaps(gap: float) -> tuple[float, float]:
-    """Return `floor` and `fine` (mm) of a search that begins at a gap (mm).
+    """Return the `floor` and `fine` (mm) for a search that begins at a gap (mm).
 
     A robot may move along or away from a touched obstacle, but not further into it.
     """

@@ -114,7 +114,7 @@ class MotionSegment:
         return self.since + spent if 0 <= spent <= until - self.since else None
 
     def nearest(self, place: Point, until: float) -> tuple[float, float]:
-        """Return the minimal distance (mm) of the centre from a place up to a time, and when."""
+        """Return the minimal distance (mm) of the centre from a place, and when it occurs."""
         times = [self.since, until]
         p, q = self.pose.forward - place[0], self.pose.side - place[1]
         if self.speed and self._is_straight(until):

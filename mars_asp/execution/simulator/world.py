@@ -48,7 +48,7 @@ class Circle:
         return bool(self.speed and self._gone[-1])
 
     def leg(self, seconds: float) -> tuple[float, ...]:
-        """Return x, y, their rates and the end (in seconds) of these rates, at a time."""
+        """Return x, y, their rates of change, and the time until which these hold."""
         if not self.moves:
             return (*self.centre, 0.0, 0.0, inf)
         rounds, gone = divmod(seconds * self.speed, self._gone[-1])
@@ -175,7 +175,7 @@ class World:
         return best
 
     def horizon(self, point: Point, seconds: float, speed: float) -> float:
-        """Return for how many seconds `gaps` is valid for a motion from a point at a speed.
+        """Return for how many seconds `gaps` is valid, for a motion from `point` at up to `speed`.
 
         Until then, moving circles keep their direction and no further obstacle comes near.
         """
@@ -232,7 +232,7 @@ class World:
         return rates
 
     def _around(self, point: Point, seconds: float) -> _NearObstacle:
-        """Return the obstacles that can be nearest to points near this one."""
+        """Return the obstacles near a point at a time, cached until something moves by `_SLACK`."""
         near = self._beside
         if near is None or self._passed(near, point, seconds) > _SLACK / 2:
             gaps = [_segment_distances(point, self.segments)]
@@ -247,7 +247,7 @@ class World:
         return near
 
     def _passed(self, near: _NearObstacle, point: Point, seconds: float) -> float:
-        """Return an upper bound (mm) of the relative motion since `near` was computed."""
+        """Return an upper bound (mm) of how far point and obstacles moved since `near` was made."""
         spent = seconds - near.seconds
         if spent < 0:
             return inf
@@ -264,7 +264,7 @@ class World:
         )
 
     def _moved(self, which: Sequence[int], seconds: float) -> Floats:
-        """Return moving circles (n, 3) at their positions at a time."""
+        """Return the moving circles with indices `which` (n, 3) at a time."""
         if not which:
             return _NONE
         self._renew(which, seconds)
