@@ -120,7 +120,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> object:
-    """Load the module of a public name: a command loads no more than it needs."""
+    """Import the module of a public name at its first use."""
     place = _PLACES.get(name)
     if place is None:
         from mars_asp.spelling import nearest  # noqa: PLC0415 -- needed for a mistake alone

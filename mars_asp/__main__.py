@@ -25,7 +25,7 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def _end_plainly() -> None:
-    """End without a traceback at a signal before the command has its own handlers."""
+    """Exit without a traceback at signals that come before the command handles them."""
 
     def end(number: int, frame: FrameType | None) -> None:
         os._exit(128 + number)
@@ -38,7 +38,7 @@ def _end_plainly() -> None:
 
 
 def _open_what_is_closed() -> None:
-    """Open closed standard streams, whose descriptors the next opened file would get otherwise.
+    """Open standard streams that are closed, so that no other file gets their descriptors.
 
     Writing to standard output still fails, and writing to standard error has no effect.
     """

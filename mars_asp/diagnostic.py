@@ -50,7 +50,7 @@ def point(path: str, line: int, column: int) -> Span:
 
 
 def beginning(span: Span) -> Span:
-    """Return the empty span where a span begins."""
+    """Return the empty span at the begin of a span."""
     return point(span.path, span.line, span.column)
 
 
@@ -63,7 +63,7 @@ class FileText:
     r"""The text of a file, whose lines end with `\n`, and the locations in it."""
 
     def __init__(self, path: str, text: str) -> None:
-        """Keep the text; its lines are found when a location is requested."""
+        """Keep a text; its lines are indexed when a location is requested."""
         self.path, self.text = path, text
 
     @cached_property
@@ -92,7 +92,7 @@ class FileText:
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
-    """One finding.
+    """One message about a location: a finding, an error of the input, or a note.
 
     `code` is a rule id or a fixed id such as `syntax`; `message` is one lower-case clause with
     names in backticks and no full stop, stating a fact; `effect` is a sentence on the consequence
@@ -120,7 +120,7 @@ class Diagnostic:
 
     @property
     def named_location(self) -> str:
-        """The location, empty if it has no line and the message names the path."""
+        """The location as text, "" if it has no line and the message names the path."""
         is_named = not self.span.line and f"`{self.span.path}`" in self.message
         return "" if is_named else self.span.location
 
@@ -131,7 +131,7 @@ class Diagnostic:
 
 
 def brief(diagnostic: Diagnostic) -> Diagnostic:
-    """Return a diagnostic with very long words cut, as names in foreign files have any length."""
+    """Return a diagnostic in which very long words are shortened."""
     message, help_text, effect = (
         text and _LONG.sub(_cut, text)
         for text in (diagnostic.message, diagnostic.help, diagnostic.effect)
@@ -164,7 +164,7 @@ class MarsError(Exception):
     status = 2
 
     def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
-        """Keep the diagnostics for the command line to render."""
+        """Sort and store the diagnostics."""
         self.diagnostics = by_place(diagnostics)
         super().__init__("\n".join(map(str, self.diagnostics)))
 
@@ -176,5 +176,5 @@ class MarsError(Exception):
 
 
 def refusal(code: str, message: str, place: str, help_text: str | None = None) -> MarsError:
-    """Return an error about a word of the command or a whole file, of which no line is shown."""
+    """Return an error about an argument of the command, or about a file as a whole."""
     return MarsError([Diagnostic(code, "error", message, whole_file(place), help=help_text)])

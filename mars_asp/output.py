@@ -69,17 +69,14 @@ def listing(texts: Sequence[str]) -> str:
 
 
 def markdown(text: str) -> str:
-    """Return a text that Markdown shows as it is, but for code between backticks.
-
-    It begins no list or heading, and holds no link, picture or HTML.
-    """
+    """Return a text escaped for Markdown, except code between backticks."""
     parts = re.split(r"(`[^`\n]+`)", text)
     parts[::2] = [re.sub(_SIGN, r"\\\g<0>", part) for part in parts[::2]]
     return re.sub(_FIRST, r"\1\\\2", "".join(parts))
 
 
 def fenced(text: str, language: str = "text") -> str:
-    """Return a text as a block of code, which nothing in it ends."""
+    """Return a text as a fenced code block, with a fence that the text does not contain."""
     longest = max(map(len, re.findall("`+", text)), default=0)
     fence = "`" * max(3, longest + 1)
     return f"{fence}{language}\n{text}\n{fence}"
@@ -98,7 +95,7 @@ def _visible_character(character: str) -> str:
 
 
 def write_whole(path: str, content: str | bytes) -> None:
-    """Write a file whole or not at all; keep its mode and follow links. Text is written as UTF-8.
+    """Write a file whole or not at all; it keeps its mode, and links are followed.
 
     Raises:
         OSError: the file cannot be written.
@@ -139,9 +136,9 @@ def replace_together(contents: Mapping[str, bytes]) -> None:
 
 
 class GrowingFile:
-    """A file that grows by whole lines, of which at most the last is not yet on the disk.
+    """A file to which whole lines are appended; at most the last may be lost in a crash.
 
-    It is locked while it is open, so that no two commands write to it.
+    It is locked while it is open, so that two commands cannot write to it.
     """
 
     def __init__(self, path: str, kept: int, size: int) -> None:
@@ -170,7 +167,7 @@ class GrowingFile:
             raise
 
     def append(self, line: bytes) -> None:
-        """Write a line; it is on the disk when this returns.
+        """Append a line, and flush it to the disk.
 
         Raises:
             OSError: it cannot be written.
@@ -192,7 +189,7 @@ class GrowingFile:
             raise OSError(errno.EBUSY, message, self.path)
 
     def close(self) -> None:
-        """Close it; others may write to it now."""
+        """Close the file, and unlock it."""
         self._file.close()
 
 
@@ -262,7 +259,7 @@ class AtomicFile:
 
     @contextlib.contextmanager
     def _errors_name_path(self) -> Iterator[None]:
-        """Have errors name the target: the name of the temporary file is never shown."""
+        """Replace the temporary file's name in errors of the block by the target's."""
         try:
             yield
         except OSError as error:
@@ -270,10 +267,10 @@ class AtomicFile:
 
 
 def _temporary_beside(target: Path, path: str) -> tuple[int, Path]:
-    """Open a new file in the folder of another and lock it; remove those of killed commands.
+    """Return handle and path of a new, locked file in the folder of a target.
 
-    A killed command leaves its file, but not its lock. The name of a file ends with its inode, so
-    no file of anybody else has such a name, and no other file is ever removed.
+    Files of killed commands are removed: they are not locked. The name of a file ends with its
+    inode, so that no other file is removed.
 
     Raises:
         OSError: no file can be made there; it names `path`: the other name is never shown.
@@ -293,7 +290,7 @@ def _temporary_beside(target: Path, path: str) -> tuple[int, Path]:
 
 
 def _named_by_inode(folder: Path) -> tuple[int, Path]:
-    """Open a file that is locked before it has a name; Linux alone can do this.
+    """Return handle and path of a new file that is locked before it has a name (Linux only).
 
     Raises:
         OSError: the file system cannot do it.
@@ -312,7 +309,7 @@ def _named_by_inode(folder: Path) -> tuple[int, Path]:
 
 
 def _remove_unlocked(path: Path) -> None:
-    """Remove a temporary file of a killed command; do nothing with any other file.
+    """Remove a temporary file that a killed command left; other files are kept.
 
     Raises:
         OSError: it is locked, or cannot be removed.
@@ -331,7 +328,7 @@ def _remove_unlocked(path: Path) -> None:
 
 
 def _lock(handle: int) -> None:
-    """Lock a file until this process closes it or ends.
+    """Lock a file until it is closed or this process ends.
 
     Raises:
         OSError: another process has locked it, or it cannot be locked here.

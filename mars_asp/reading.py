@@ -39,23 +39,22 @@ _texts: ContextVar[Mapping[str, bytes]] = ContextVar("unsaved", default=_NONE)
 
 
 class WallError(OSError):
-    """A file that must not be read; `advice` is a way to read it all the same, if any."""
+    """A file outside of the permitted folders; `advice` is a way to read it, or None."""
 
     advice: str | None = None
 
 
 def wall_error(path: str, reason: str, advice: str | None = None) -> WallError:
-    """Return the error about a file."""
+    """Return the error that a file must not be read."""
     error = WallError(errno.EACCES, reason, path)
     error.advice = advice
     return error
 
 
 def read_file(path: str | Path, most: int, named_in: str | None = None) -> bytes:
-    """Return the content of a file, of one that is larger `most` bytes and one.
+    """Return the content of a file; of a larger one `most` bytes and one more.
 
-    `named_in` is the file that names it; without one it is the user's own word, which may be a
-    pipe.
+    `named_in` is the file that names it; if None, the user named it, and it may be a pipe.
 
     Raises:
         WallError: it must not be read.
@@ -77,7 +76,7 @@ def read_file(path: str | Path, most: int, named_in: str | None = None) -> bytes
 
 
 def _await_writer(handle: int, path: str) -> None:
-    """Wait until there is something in a pipe.
+    """Wait until a pipe has data.
 
     Raises:
         WallError: no process has written into it.
@@ -90,7 +89,7 @@ def _await_writer(handle: int, path: str) -> None:
 
 
 def check_walls(path: str | Path, named_in: str | None = None) -> None:
-    """Check that a file may be read.
+    """Raise WallError if a file that `named_in` names is outside, or is the kernel's.
 
     Raises:
         WallError: it is the kernel's, or lies outside.
@@ -121,7 +120,7 @@ def _is_kernels(real: str) -> bool:
 
 
 def is_outside(path: str | Path, named_in: str) -> bool:
-    """Whether a path that a file names leads out of the walls around that file."""
+    """Whether a path in the file `named_in` leads out of the permitted folders around that file."""
     return _is_outside(os.path.realpath(path), named_in)
 
 
@@ -134,18 +133,18 @@ def _is_outside(real: str, named_in: str) -> bool:
 
 
 def hide_lines(path: str) -> None:
-    """Have no line of a file shown: it lies outside."""
+    """Prevent messages from showing lines of a file, as it is outside."""
     _unquoted.add(path)
 
 
 def is_hidden(path: str) -> bool:
-    """Whether no line of a file is shown."""
+    """Whether messages must not show lines of a file."""
     return path in _unquoted
 
 
 @lru_cache(maxsize=1000)
 def _roots(folder: str) -> tuple[str, ...]:
-    """Return a folder and the project around it: a repository, else the nearest with a mark.
+    """Return a folder and the project around it: its repository, else the nearest marked folder.
 
     A home folder, or one above it, is not a project, as it contains all files of a user.
     """
@@ -171,7 +170,7 @@ def _is_in(path: str, folder: str) -> bool:
 
 @contextmanager
 def overlay(texts: Mapping[str, str]) -> Iterator[None]:
-    """Have files read as these texts, by their paths; others are read from the disk.
+    """Replace, in the block, the contents of the files at these paths.
 
     >>> with overlay({"robot.mars": "@modules Camera"}):
     ...     overlay_bytes(Path("robot.mars"))
@@ -186,7 +185,7 @@ def overlay(texts: Mapping[str, str]) -> Iterator[None]:
 
 
 def overlay_bytes(path: Path) -> bytes | None:
-    """Return the text of a file in an editor as UTF-8, or None if the disk has it."""
+    """Return the replaced content of a file as UTF-8, or None if it is not replaced."""
     texts = _texts.get()
     return texts.get(os.path.realpath(path)) if texts else None
 

@@ -133,7 +133,7 @@ def loads(
     rules: Iterable[PathLike] = (),
     budget: Budget | None = None,
 ) -> "Robot":
-    r"""Read one robot from text, in `.mars` unless a format is given; `name` is its path.
+    r"""Read one robot from text, in `.mars` unless a `format` is given; `name` is its shown path.
 
     Raises:
         MarsError: the text is wrong.
@@ -212,7 +212,7 @@ def _path_text(given: object) -> str:
 
 
 def _check_types(**values: tuple[object, type]) -> None:
-    """Check that each argument is None or has its type.
+    """Raise MarsError unless each argument is None or has its type.
 
     Raises:
         MarsError: one has another type.
@@ -233,7 +233,7 @@ def _error(code: str, message: str, help_text: str | None = None) -> MarsError:
 
 
 class CommandAnswer:
-    """The text and the JSON of a command, each made when it is needed."""
+    """The text and the JSON of a command's answer, each computed at first use."""
 
     make_text: Callable[[], str]
     make_json: Callable[[], dict[str, object]]
@@ -270,7 +270,7 @@ class RobotAnswer(CommandAnswer):
 
 
 def _short(text: str) -> str:
-    """Return a text as one line that is no longer than a `repr` may be."""
+    """Return a text in one line, shortened to the length of a `repr`."""
     line = visible(text)
     return line if len(line) <= _LONGEST else f"{line[: _LONGEST - 4]}...)"
 
@@ -281,9 +281,9 @@ def _text_of_lines(lines: Iterable[str]) -> str:
 
 @dataclass(frozen=True)
 class Finding:
-    """A finding of `check`; `line` and `column` are None where it has no place.
+    """A finding of `check`; `line` and `column` are None if it has no location.
 
-    `kind` is None for errors of the input, and so are `subject` and `participants` empty then.
+    `kind` is None for errors of the input, which have no `subject` and `participants` either.
 
     >>> workspace = load("examples/ros2_workspace")
     >>> [finding.kind for finding in workspace.check(select=["guard_bypass"])]
@@ -437,7 +437,7 @@ class Robot:
     def verify(
         self, specification: "PathLike | Robot | SpecificationResult | None" = None
     ) -> "VerifyResult":
-        """Judge a specification of this robot; the result is true where it realises the robot.
+        """Judge a specification of this robot; the result is true if it realises the robot.
 
         Args:
             specification: A file, a robot or a specification; None for the wiring that a foreign
@@ -886,13 +886,13 @@ class WhyNotResult(RobotAnswer):
 
     @property
     def to_get(self) -> str | None:
-        """The smallest change found that gives it."""
+        """The smallest change found that gives it, or None."""
         return self.found.to_get
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CanResult(RobotAnswer):
-    """Whether the robot can do something, as `can` prints it; true where it can.
+    """Whether the robot can do something, as `can` prints it; true if it can.
 
     >>> bool(load("examples/level0/config.mars").can("Trans_X of MobilePlatform"))
     False
@@ -904,7 +904,7 @@ class CanResult(RobotAnswer):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class VerifyResult(RobotAnswer):
-    """Whether a specification realises a robot, as `verify` prints it; true where it does.
+    """Whether a specification realises a robot, as `verify` prints it; true if it does.
 
     >>> load("examples/level0/config.mars").verify()
     VerifyResult(realises=True, minimal=True)
@@ -923,7 +923,7 @@ class VerifyResult(RobotAnswer):
 
     @property
     def minimal(self) -> bool | None:
-        """Whether it costs as little as possible; None where that is not known."""
+        """Whether the specification has the minimal cost; None if that is not known."""
         return self.comparison.minimal
 
     @property
@@ -963,7 +963,7 @@ class RepairResult(RobotAnswer):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RunResult(RobotAnswer):
-    """A run and its judgement, as `run` prints them; true where all requirements hold.
+    """A run and its judgement, as `run` prints them; true if all requirements hold.
 
     >>> load("examples/level0/config.mars").run("examples/level0/scenario.toml").verdict
     'pass'
@@ -976,7 +976,7 @@ class RunResult(RobotAnswer):
 
     @property
     def verdict(self) -> Literal["pass", "fail", "not decided"]:
-        """The verdict."""
+        """The verdict on the run."""
         return self.found.verdict
 
     @property
@@ -989,7 +989,7 @@ class RunResult(RobotAnswer):
 
 
 def _graph(configuration: Configuration, modules: Mapping[str, Module]) -> dict[str, Any]:
-    """Return modules with their classes, and relationships with the values that are stated."""
+    """Return modules with their classes, and relationships with their stated values, as JSON."""
     described = described_modules(configuration, modules)
     classes = {name: list(module_classes(module)) for name, module in described.items()}
     names = [name.text for name in configuration.modules]
@@ -1003,7 +1003,7 @@ def _graph(configuration: Configuration, modules: Mapping[str, Module]) -> dict[
 
 
 def _edge(relationship: Data | Control | Mount) -> dict[str, Any]:
-    """Return a relationship as an edge; values that are not stated are left out."""
+    """Return a relationship as JSON of an edge, without values that are not stated."""
     match relationship:
         case Data(client, source):
             mode, hz = relationship.mode, relationship.hz
@@ -1049,7 +1049,7 @@ def _repair(of: Consequence, mend: Mend) -> RepairResult:
 
 
 def _name_list(option: str, names: Iterable[str]) -> list[str]:
-    """Return names of findings; a text alone is most likely a mistake.
+    """Return names of findings as a list; MarsError for a single text, a likely mistake.
 
     Raises:
         MarsError: it is one text, or holds another value.

@@ -15,7 +15,7 @@ _MOST_COMPARED = 100_000
 
 
 def nearest(word: str, known: Iterable[str], likeness: float = 0.6) -> str | None:
-    """The known word most like `word`, or None if none is alike.
+    """Return the known word most similar to `word`, or None if none is similar enough.
 
     A word that differs in case only comes first. `likeness` is the least ratio, 0 to 1, of
     Ratcliff and Metzener, Pattern Matching: The Gestalt Approach, Dr. Dobb's Journal, July 1988.
@@ -32,14 +32,14 @@ def nearest(word: str, known: Iterable[str], likeness: float = 0.6) -> str | Non
 def suggestion(
     word: str, known: Iterable[str], otherwise: _Advice, likeness: float = 0.6
 ) -> str | _Advice:
-    """Return the question for the known word most like `word`, or `otherwise` if none is alike."""
+    """Return the question "did you mean ...?" for the nearest known word, else `otherwise`."""
     near = nearest(word, known, likeness)
     return f"did you mean `{near}`?" if near else otherwise
 
 
 @lru_cache(maxsize=_MOST_COMPARED)
 def _ratio(word: str, candidate: str, likeness: float) -> float:
-    """Return how alike two words are, or 0 where that is less than `likeness`.
+    """Return the similarity of two words(0 to 1), 0 if it is below `likeness`.
 
     The same words are compared again wherever an edit of a configuration is tried.
     """

@@ -28,14 +28,14 @@ class UnfitError(Exception):
 
 
 class Made(NamedTuple):
-    """An object of a user's class, and whether its constructor was given context or parameters."""
+    """An object of a user's class; `knows` is whether its constructor got context or parameters."""
 
     instance: Any
     knows: bool
 
 
 class EntryPoint(NamedTuple):
-    """An input of a module: its sources, and its name and position among the inputs, if known."""
+    """An input of a module: its source, and its name and position if known."""
 
     source: str
     name: str | None = None
@@ -112,11 +112,11 @@ def prepared(
 ) -> Callable[..., Any]:
     """Return a function that takes the inputs of one computation and returns its result.
 
-    `inputs` has an entry point for each input, or its source if that is all that is known; `None`
-    is for unknown inputs. The values come in this order, and each goes to the parameter of the
-    input's name, else to that at its position, else to the first free one. `knows` is whether the
-    object of a method has the context or the parameters already. Before each call, the time of the
-    context is set from `clock`, in seconds.
+    `inputs` has an entry point or a source for each input; None means unknown inputs. The values
+    come in this order, and each goes to the parameter of the input's name, else to that at its
+    position, else to the first free one. `knows` is whether the object of a method has the context
+    or the parameters already. Before each call, the time of the context is set from `clock`, in
+    seconds.
 
     Raises:
         UnfitError: `target` cannot be called with so many inputs, or does not return one result.
@@ -151,10 +151,10 @@ def prepared(
 def _parameter_order(
     signature: Signature, given: Parameter | None, inputs: Sequence[EntryPoint], shown: str
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]] | None:
-    """Return a decorator that passes each input to its parameter, or None if they are in order.
+    """Return a decorator that passes each input to its parameter; None if the order is right.
 
     Raises:
-        UnfitError: nothing feeds a parameter, or names of inputs decide nothing.
+        UnfitError: nothing feeds a parameter, or several inputs have names that are not parameters.
     """
     parameters = [each for each in _positional(signature) if each is not given]
     filled = _filled(parameters, inputs)
@@ -191,7 +191,7 @@ def _parameter_order(
 
 
 def _filled(parameters: Sequence[Parameter], inputs: Sequence[EntryPoint]) -> dict[int, int]:
-    """Return the index of the input by that of its parameter: by name, by position, in order."""
+    """Return the input of each parameter, both as indices: by name, by position, then in order."""
     number_of: dict[str | None, int] = {each.name: n for n, each in enumerate(parameters)}
     filled: dict[int, int] = {}
 
@@ -212,7 +212,7 @@ def _filled(parameters: Sequence[Parameter], inputs: Sequence[EntryPoint]) -> di
 def _handing(
     target: Callable[..., Any], signature: Signature, given: Parameter, context: Context
 ) -> Callable[..., Any]:
-    """Return a function of the inputs that calls `target` with the context as well."""
+    """Return a function of inputs that calls `target` with them and the context."""
     named = partial(target, **{given.name: context})
     if given.kind is Parameter.KEYWORD_ONLY:
         return named
@@ -227,7 +227,7 @@ def _handing(
 
 
 def _signature(target: Callable[..., Any]) -> Signature | None:
-    """Return the parameters of an object, or None if Python does not know them."""
+    """Return the signature of a callable, or None if Python cannot determine it."""
     try:
         return inspect.signature(target, eval_str=True)
     except Exception:  # an annotation that Python cannot read may raise anything
@@ -239,7 +239,7 @@ def _signature(target: Callable[..., Any]) -> Signature | None:
 
 
 def _context_of(signature: Signature) -> Parameter | None:
-    """Return the parameter that takes the context: one called `ctx`, or annotated so."""
+    """Return the parameter for the context: called `ctx`, or annotated `Context`; else None."""
     for parameter in signature.parameters.values():
         written = parameter.annotation
         if isinstance(written, str):
@@ -270,7 +270,7 @@ def _refuse_stretched(target: Callable[..., Any], shown: str) -> None:
 def _refuse_inputs(
     signature: Signature, given: Parameter | None, inputs: Sequence[EntryPoint], shown: str
 ) -> None:
-    """Refuse a function that cannot be called with so many inputs."""
+    """Raise UnfitError if a function cannot be called with so many inputs."""
     taken = [each for each in _positional(signature) if each is not given]
     least = sum(each.default is Parameter.empty for each in taken)
     kinds = {each.kind for each in signature.parameters.values()}
@@ -293,6 +293,6 @@ def _refuse_inputs(
 
 
 def _parameter_list(signature: Signature) -> str:
-    """Return the parameters of a function without their types."""
+    """Return the parameters of a function as text, without types."""
     bare = [each.replace(annotation=Parameter.empty) for each in signature.parameters.values()]
     return str(Signature(bare))

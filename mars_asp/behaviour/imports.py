@@ -25,7 +25,7 @@ _OURS = "mars_asp"
 
 
 class Folder:
-    """The modules of one folder, which its files can import while their code runs.
+    """The Python modules of a folder, which its files can import while their code runs.
 
     Within a `with` block, modules of the folder are found before others of their names, except
     those of Python itself and of `mars-asp`. After the block, none of them is in `sys.modules`, so
@@ -72,7 +72,7 @@ class Folder:
             return module
 
     def find_spec(self, name: str, path: Any = None, target: Any = None) -> ModuleSpec | None:
-        """Find a module in the folder, as a finder of `sys.meta_path` does."""
+        """Return the spec of a module in the folder, or None; a finder of `sys.meta_path`."""
         if name.partition(".")[0] not in self.names:
             return None
         self._sought = True
@@ -115,7 +115,7 @@ class Folder:
 
 
 def folder_of(path: Path) -> Path:
-    """Return the folder that a file's modules are imported from: above its packages."""
+    """Return the folder from which a file's modules are imported: above its packages."""
     folder = path.parent
     while (folder / "__init__.py").is_file() and folder.name.isidentifier():
         folder = folder.parent
@@ -123,7 +123,7 @@ def folder_of(path: Path) -> Path:
 
 
 def place_of(error: BaseException) -> tuple[str, int] | None:
-    """Return the file and line of an exception: of the innermost frame in code of the user."""
+    """Return file and line of the innermost frame of an exception in the user's code, or None."""
     if isinstance(error, SyntaxError) and error.filename and error.lineno:
         return error.filename, error.lineno
     found = None

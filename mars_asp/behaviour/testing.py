@@ -18,7 +18,7 @@ from mars_asp.behaviour.values import copied
 
 
 class Stepper:
-    """One module that runs a behaviour, stepped by hand.
+    """One module that runs a behaviour and is stepped by hand.
 
     `behaviour` is a function, a class or an object; of a class it makes one object, with
     `parameters`, and calls `method`, or the object itself without one. `module` and `seed` decide

@@ -47,7 +47,7 @@ def copied(value: _Value) -> _Value:
 
 
 def is_constant(value: Any) -> bool:
-    """Whether neither an object nor anything that it holds can change."""
+    """Whether neither a value nor anything that it contains can change."""
     kind: Any = type(value)
     if kind in _ATOMS:
         return True
@@ -77,7 +77,7 @@ def _are_constant(members: Collection[Any]) -> bool:
 
 @lru_cache(maxsize=_CLASSES)
 def _sort(kind: type) -> Literal["nothing", "members", "fields", "itself"]:
-    """Return the parts that decide if an object is constant, or `itself` for mutable classes."""
+    """Return which parts decide if objects of a class are constant; `itself`: they are mutable."""
     if issubclass(kind, tuple | frozenset):
         return "members"
     if issubclass(kind, list | dict | set | bytearray):
@@ -88,14 +88,14 @@ def _sort(kind: type) -> Literal["nothing", "members", "fields", "itself"]:
 
 
 def _copier(value: Any) -> Callable[[Any], Any]:
-    """Return a function for deep copies; it is a shallow one if the members never change."""
+    """Return a function that copies such a value: a shallow copy if the members are constant."""
     kind: Any = type(value)
     plain = _is_plain(kind) and not getattr(value, "__dict__", None)
     return _outside if plain and _are_constant(value) else deepcopy
 
 
 def _outside(value: Any) -> Any:
-    """Return a shallow copy of a list, of the same class."""
+    """Return a shallow copy of a list, with the same class."""
     if type(value) is list:
         return value.copy()
     made = value.__new__(type(value))
@@ -105,7 +105,7 @@ def _outside(value: Any) -> Any:
 
 @lru_cache(maxsize=_CLASSES)
 def _is_plain(kind: type) -> bool:
-    """Whether objects are lists, without more that they hold or do when they are copied."""
+    """Whether objects of a class are lists without further attributes or special copying."""
     if not issubclass(kind, list) or getattr(kind, "__slots__", None):
         return False
     if hasattr(kind, "__copy__") or hasattr(kind, "__deepcopy__"):

@@ -22,7 +22,7 @@ _CONTROL_NODE = ("#fce6d6", "#c04f00")
 
 
 def box_colours(box: Box) -> tuple[str, str]:
-    """Return the colours of a box's inside and outline."""
+    """Return the colours of a box: inside, outline."""
     if box.alone:
         return _ALONE
     if box.node is None:

@@ -12,7 +12,7 @@ _ESCAPES = str.maketrans({"\\": "\\\\", '"': '\\"', "&": "&amp;"})
 
 
 def dot_text(picture: Picture) -> str:
-    """Return a picture as DOT; names are quoted, so none of them can be read as DOT."""
+    """Return a diagram in the language DOT; names are quoted."""
     parts = [
         "digraph {",
         f"  label={quoted(picture.title, picture.remark, *map(str, picture.marks))};",
@@ -25,7 +25,7 @@ def dot_text(picture: Picture) -> str:
 
 
 def quoted(*lines: str) -> str:
-    r"""Return lines as one quoted DOT string, joined by `\n`; nothing in them is an escape."""
+    r"""Return lines as one quoted string of DOT, joined by `\n`."""
     return '"' + "\\n".join(line.translate(_ESCAPES) for line in lines if line) + '"'
 
 

@@ -12,7 +12,7 @@ _INCH = 72
 
 
 class NoGraphvizError(Exception):
-    """There is no program `dot`, or it fails; the argument is the reason."""
+    """The program `dot` is missing or failed; the argument is the reason."""
 
 
 def draw_by_dot(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> Drawing:
@@ -52,7 +52,7 @@ def draw_by_dot(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> Drawing:
 
 
 def _graph(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> Iterator[str]:
-    """Yield the lines of a graph of numbers alone: no name reaches the program."""
+    """Yield the lines of a graph for `dot`, in which boxes are numbers without names."""
     yield f'digraph {{ nodesep={NEAR / _INCH:.3f}; node [shape=box, label="", fixedsize=true];'
     for index, (width, height) in enumerate(sizes):
         yield f"{index} [width={width / _INCH:.3f}, height={height / _INCH:.3f}];"

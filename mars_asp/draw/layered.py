@@ -34,9 +34,9 @@ _MOST_PIECES = 60_000
 
 @dataclass(frozen=True, slots=True)
 class LayeredEdge:
-    """A link from one box to another, by index, and the size of its label, if it has one.
+    """A link between two boxes, by their indices, with the size of its label if it has one.
 
-    Links with a `rank` reach their head in this order, from left to right.
+    Links with a `rank` arrive at their head in this order, from left to right.
     """
 
     tail: int
@@ -68,10 +68,10 @@ class TooLargeError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class _Layers:
-    """Vertices in layers: first the boxes, then one vertex for each layer that a link passes.
+    """The vertices of the drawing by layer: boxes, and one for each layer that a link crosses.
 
-    `chains` holds, for each link, its vertices from top to bottom; `named` the piece that is its
-    label, if it has one.
+    The latter are the higher indices. `chains` has the vertices of each link from top to bottom,
+    and `named` the vertex of the link that is its label, or None.
     """
 
     layers: list[list[int]]
@@ -81,7 +81,7 @@ class _Layers:
 
 
 def draw_layered(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> Drawing:
-    """Return where boxes of given sizes and the links between them are to be drawn.
+    """Return the layout of boxes of the given `sizes` and of the links between them.
 
     A box is at least as high as `LOOP` for each of its links to itself.
 
@@ -145,7 +145,10 @@ def draw_layered(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> Drawing
 
 
 def _split(sizes: Sequence[Size], links: Sequence[LayeredEdge], between: Sequence[int]) -> _Layers:
-    """Put boxes into layers, with a layer for labels where there are any, and split links there."""
+    """Return the layers of boxes and labels, with each link split into a vertex per layer.
+
+    `between` are the indices of links between different boxes.
+    """
     arcs = [(links[index].tail, links[index].head) for index in between]
     ranks, downward = rank_boxes(len(sizes), arcs)
     # A label is directly above the target of its link, or below the target of an upward link.
@@ -180,7 +183,7 @@ def _split(sizes: Sequence[Size], links: Sequence[LayeredEdge], between: Sequenc
 
 
 def _widths_with_loops(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> list[float]:
-    """Return how wide each box is with its links to itself."""
+    """Return the width of each box, including its links to itself."""
     widths = [width for width, _ in sizes]
     for link in links:
         if link.tail == link.head:
@@ -192,7 +195,7 @@ def _widths_with_loops(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> l
 
 
 def _distance(u: int, v: int, widths: Sequence[float], boxes: int) -> float:
-    """Return the least distance between the centres of neighbours."""
+    """Return the minimal distance between the centres of the neighbours `u` and `v`."""
     thin = not (widths[u] and widths[v]) and max(u, v) >= boxes
     return (widths[u] + widths[v]) / 2 + (LINES if thin else NEAR)
 
@@ -200,7 +203,7 @@ def _distance(u: int, v: int, widths: Sequence[float], boxes: int) -> float:
 def _port_offsets(
     chains: Sequence[Sequence[int]], place: Mapping[int, int], widths: Sequence[float]
 ) -> list[tuple[float, float]]:
-    """Return, for each chain, how far from the centre it leaves its first and reaches its last."""
+    """Return for each link how far from the centres of its boxes it begins and ends."""
     below, above = defaultdict(list), defaultdict(list)
     for index, chain in enumerate(chains):
         below[chain[0]].append((place[chain[1]], index))
@@ -215,7 +218,7 @@ def _port_offsets(
 
 
 def _bands(split: _Layers, xs: Sequence[float]) -> list[tuple[float, float]]:
-    """Return the top and bottom of the layer of each vertex."""
+    """Return the top and bottom of the layer of each vertex, at x positions `xs`."""
     layers = split.layers
     layer_of = {vertex: index for index, layer in enumerate(layers) for vertex in layer}
     aside = [0.0] * len(layers)
@@ -236,7 +239,7 @@ def _way(
     sizes: Sequence[Size],
     bands: Sequence[tuple[float, float]],
 ) -> list[Point]:
-    """Return the points that a link goes through from top to bottom: straight beside boxes."""
+    """Return the points of a link from top to bottom; it is vertical within layers."""
     (x, y), (u, v) = centres[chain[0]], centres[chain[-1]]
     x, u = x + port[0], u + port[1]
     points = [(x, y + sizes[chain[0]][1] / 2), (x, bands[chain[0]][1] + STUB)]
@@ -248,7 +251,7 @@ def _way(
 
 
 def _curve(points: Sequence[Point]) -> tuple[Point, ...]:
-    """Return curves through points that leave and reach each of them vertically."""
+    """Return the points of Bézier curves through `points`, vertical at each of them."""
     found = [points[0]]
     for (x, y), (u, v) in pairwise(points):
         if (x, y) != (u, v):
@@ -257,7 +260,7 @@ def _curve(points: Sequence[Point]) -> tuple[Point, ...]:
 
 
 def _loop(at: Point, label: Size | None) -> Route:
-    """Return a link from a box to itself, around a point of its right side."""
+    """Return the route of a link from a box to itself, at a point of its right side."""
     x, y = at
     far = x + _LOOP_WIDTH
     points = ((x, y - 7), (far, y - 7), (far, y + 7), (x, y + 7))

@@ -23,7 +23,7 @@ _LEADING = 16.0
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """A sample with its meaning."""
+    """An entry of the legend: a sample and its meaning."""
 
     meaning: str
     sample: Box | LineKind
@@ -35,7 +35,7 @@ class Item:
 
 
 def legend_items(picture: Picture) -> list[Item]:
-    """Return an item for each look of boxes and each kind of lines that occurs in a diagram."""
+    """Return an entry for each appearance of boxes and kind of lines in a diagram."""
     items = []
     if any(box.node is None and not box.alone for box in picture.boxes):
         items.append(Item("module", Box("", "", None)))
@@ -53,12 +53,12 @@ def legend_items(picture: Picture) -> list[Item]:
 
 
 def legend_width(items: Sequence[Item]) -> float:
-    """Return how wide items are beside each other, in px."""
+    """Return the width of entries side by side, in px."""
     return sum(item.width for item in items) - _APART
 
 
 def legend_rows(items: Sequence[Item], width: float) -> Iterator[list[Item]]:
-    """Yield items in rows of at most `width`; an item that is wider has a row of its own."""
+    """Yield entries in rows of at most `width`; a wider one has its own row."""
     row: list[Item] = []
     for item in items:
         if row and legend_width([*row, item]) > width:
@@ -69,7 +69,7 @@ def legend_rows(items: Sequence[Item], width: float) -> Iterator[list[Item]]:
 
 
 def draw_row(row: Sequence[Item], corner: Point) -> Iterator[str]:
-    """Yield a row with its upper left corner at a point."""
+    """Yield SVG of a row of entries, whose upper left corner is at a point."""
     x, y = corner[0], corner[1] + ROW / 2
     for item in row:
         if isinstance(item.sample, Box):
@@ -89,7 +89,7 @@ def finding_width(finding: NumberedFinding) -> float:
 def finding_lines(
     findings: Sequence[NumberedFinding], width: float
 ) -> Sequence[tuple[tuple[NumberedFinding, ...], str]]:
-    """Return the lines of findings, of this width at most; the first of each has its number."""
+    """Return findings wrapped to a width, each first line with its finding."""
     found: list[tuple[tuple[NumberedFinding, ...], str]] = []
     for finding in findings:
         numbered: tuple[NumberedFinding, ...] = (finding,)
@@ -107,7 +107,7 @@ def finding_lines(
 def draw_findings(
     lines: Sequence[tuple[tuple[NumberedFinding, ...], str]], corner: Point
 ) -> Iterator[str]:
-    """Yield lines of findings with their upper left corner at a point."""
+    """Yield SVG of lines of findings, whose upper left corner is at a point."""
     x, y = corner
     for numbered, line in lines:
         y += _LEADING + (4 if numbered else 0)

@@ -14,7 +14,7 @@ from mars_asp.reasoning.analysis import Consequence
 def number_findings(
     consequences: Iterable[Consequence],
 ) -> list[tuple[NumberedFinding, Consequence]]:
-    """Return the errors among consequences and then the warnings, each with its number."""
+    """Return the errors and then the warnings among consequences, numbered from 1."""
     found = sorted(
         (each for each in consequences if each.severity != "note"),
         key=lambda each: each.severity != "error",

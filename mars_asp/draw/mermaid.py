@@ -28,7 +28,7 @@ def mermaid_text(picture: Picture) -> str:
 
 
 def quoted(*lines: str) -> str:
-    """Return lines as one quoted Mermaid text."""
+    """Return lines as one quoted text of Mermaid."""
     return '"' + "<br/>".join("".join(map(_code, line)) for line in lines if line) + '"'
 
 

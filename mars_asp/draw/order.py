@@ -49,9 +49,10 @@ def _sweep(
     turning: bool,
     kept: Sequence[tuple[int, Mapping[int, int]]],
 ) -> int:
-    """Order layers, in place, down and up; return how many crossings are left.
+    """Reorder the layers, in place, to reduce crossings; return the number of crossings left.
 
-    When `turning`, those that tie change places every other time.
+    If `turning`, vertices with equal values change places in every other round. `kept` are the
+    layers with ranked vertices.
     """
     _keep(layers, kept)
     place = {vertex: index for layer in layers for index, vertex in enumerate(layer)}
@@ -80,7 +81,7 @@ def _sweep(
 
 
 def _initial_order(layers: list[list[int]], below: Mapping[int, list[int]]) -> None:
-    """Order each layer as a depth-first search from the first layers meets it."""
+    """Sort the vertices of each layer, in place, by a depth-first search from the first layer."""
     met: dict[int, int] = {}
     for layer in list(layers):
         for vertex in layer:
@@ -97,7 +98,7 @@ def _initial_order(layers: list[list[int]], below: Mapping[int, list[int]]) -> N
 def _in_layers(
     layers: Sequence[Sequence[int]], ranks: Sequence[Mapping[int, int]]
 ) -> Iterator[tuple[int, Mapping[int, int]]]:
-    """Yield each layer in which a mapping ranks several vertices, with their ranks."""
+    """Yield index and ranks of each layer in which a mapping ranks several vertices."""
     layer_of = {vertex: index for index, layer in enumerate(layers) for vertex in layer}
     for rank in ranks:
         within: dict[int, dict[int, int]] = defaultdict(dict)
@@ -109,7 +110,7 @@ def _in_layers(
 def _keep(
     layers: Sequence[list[int]], kept: Sequence[tuple[int, Mapping[int, int]]]
 ) -> Mapping[int, int]:
-    """Sort the ranked vertices of layers, in place; return the positions in changed layers."""
+    """Sort the ranked vertices of layers, in place; return new positions in the sorted layers."""
     for number, rank in kept:
         layer = layers[number]
         slots = [index for index, vertex in enumerate(layer) if vertex in rank]
@@ -138,7 +139,7 @@ def _swap(
     above: Mapping[int, list[int]],
     place: dict[int, int],
 ) -> None:
-    """Swap neighbours as long as that takes crossings away."""
+    """Swap neighbours in a layer, in place, while this reduces crossings; update `place`."""
     ends = [
         {vertex: [place[other] for other in near.get(vertex, ())] for vertex in layer}
         for near in (below, above)

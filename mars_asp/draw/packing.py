@@ -12,10 +12,10 @@ APART = 44.0
 
 
 def draw_graph(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> Drawing:
-    """Return where boxes of given sizes and the links between them are to be drawn.
+    """Return the layout of boxes and links, connected components side by side.
 
     Raises:
-        TooLargeError: the links of a part have too many pieces.
+        TooLargeError: a component is too large.
     """
     parts = list(_connected(len(sizes), links))
     drawings = []
@@ -45,7 +45,7 @@ def _moved(point: Point, by: Point) -> Point:
 
 
 def _connected(count: int, links: Sequence[LayeredEdge]) -> Iterator[tuple[list[int], list[int]]]:
-    """Yield the boxes and links of each connected part, in the order of its first box."""
+    """Yield the box and link indices of each connected component, by its first box."""
     near = defaultdict(set)
     for link in links:
         near[link.tail].add(link.head)
@@ -68,7 +68,7 @@ def _connected(count: int, links: Sequence[LayeredEdge]) -> Iterator[tuple[list[
 
 
 def _pack(sizes: Sequence[Size]) -> tuple[list[Point], Size]:
-    """Return the corners of rectangles put into rows, the tallest first, and the size of all."""
+    """Return the corners of rectangles packed in rows, the tallest first, and the total size."""
     area = sum((width + APART) * (height + APART) for width, height in sizes)
     most = max([1.3 * sqrt(area), *(width for width, _ in sizes)])
     corners: dict[int, Point] = {}

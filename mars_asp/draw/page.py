@@ -21,7 +21,7 @@ def whole_page(
     data: Mapping[str, str] = {},
     allowed: Iterable[str] = (),
 ) -> str:
-    """Return an HTML page of a title, which is text, and a body, which is markup.
+    """Return an HTML page; `title` is plain text, `body` is HTML.
 
     `script` finds each text of JSON in `data` in the element with its key as id. `allowed` are
     directives that the content security policy has beside those for the style and script.
@@ -46,12 +46,12 @@ def whole_page(
 
 
 def _in_page(json_text: str) -> str:
-    """Return JSON with `&`, `<` and `>` escaped, so that it cannot end its element of HTML."""
+    """Return JSON in which `&`, `<` and `>` are escaped, to embed it in HTML."""
     for mark in "&<>":
         json_text = json_text.replace(mark, f"\\u{ord(mark):04x}")
     return json_text
 
 
 def _allowed(text: str) -> str:
-    """Return how a page's security policy names a script or style of its own: by its hash."""
+    """Return the source in a content security policy that allows a script or style: its hash."""
     return f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'"

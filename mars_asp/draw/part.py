@@ -19,7 +19,7 @@ _MOST_MISSES = 3
 
 
 def of_kinds(picture: Picture, kinds: Collection[LineKind], name: str | None = None) -> Picture:
-    """Return the lines of some kinds, with the boxes at their ends and the named box."""
+    """Return a diagram with only lines of some kinds, their boxes, and the named box."""
     lines = [line for line in picture.lines if line.kind in kinds]
     joined = {end for line in lines for end in (line.tail, line.head)}
     joined |= {number for number, box in enumerate(picture.boxes) if box.name == name}
@@ -27,10 +27,10 @@ def of_kinds(picture: Picture, kinds: Collection[LineKind], name: str | None = N
 
 
 def about(picture: Picture, name: str, depth: int, port: str | None = None) -> Picture:
-    """Return the boxes at most `depth` lines away from the named box, in any direction.
+    """Return a diagram of the boxes at most `depth` lines away from the named box.
 
-    With a `port`, paths begin with lines of that port, and with a depth of 1 no others are drawn.
-    Boxes of which lines are left out have a note with their number.
+    With a `port`, paths begin with lines of that port, and with a depth of 1 only these are drawn.
+    Boxes with omitted lines have a note with their number.
     """
     near = _neighbours(picture.lines, len(picture.boxes))
     found = {number for number, box in enumerate(picture.boxes) if box.name == name}
@@ -46,7 +46,7 @@ def about(picture: Picture, name: str, depth: int, port: str | None = None) -> P
 
 
 def _has_port(line: Line, boxes: Collection[int], port: str) -> bool:
-    """Whether a line begins or ends at the port of one of the boxes."""
+    """Whether a line begins or ends at the port `port` of one of the boxes."""
     leaves = line.tail in boxes and line.outlet == port
     return leaves or (line.head in boxes and line.inlet == port)
 
@@ -75,7 +75,7 @@ def fitting(
 
 
 def left_out(whole: Picture, shown: Picture) -> str | None:
-    """Return a text with the numbers of boxes and lines left out, or None if none is."""
+    """Return a sentence with the numbers of omitted boxes and lines, or None without any."""
     parts = [
         f"{len(of) - len(left)} of {len(of)} {what}"
         for of, left, what in (
@@ -88,9 +88,9 @@ def left_out(whole: Picture, shown: Picture) -> str | None:
 
 
 def _outwards(picture: Picture, name: str | None) -> Iterator[int]:
-    """Yield all boxes, nearest to that of a name first, and of equally near ones the busiest.
+    """Yield the indices of all boxes by distance from the named box, the busiest first.
 
-    Where lines lead no further, it goes on at the busiest box that is left.
+    Unconnected boxes follow, beginning with the busiest one.
     """
     near = _neighbours(picture.lines, len(picture.boxes))
     busiest = sorted(range(len(near)), key=lambda box: (-len(near[box]), box))
@@ -118,9 +118,9 @@ def _neighbours(lines: Iterable[Line], boxes: int) -> Sequence[set[int]]:
 def _noted(
     picture: Picture, boxes: Sequence[int], shown: Collection[Line] | None = None
 ) -> Picture:
-    """Return some boxes with the lines between them, and notes on how many others they have.
+    """Return a diagram of some boxes with the lines between them; notes count omitted lines.
 
-    The lines are those that are to be `shown`, or all.
+    `shown` restricts the lines.
     """
     among = set(picture.lines if shown is None else shown)
     more = dict.fromkeys(boxes, 0)
@@ -139,7 +139,7 @@ def _noted(
 
 
 def _with(picture: Picture, boxes: Sequence[int]) -> Picture:
-    """Return some boxes, in this order, with the lines between them."""
+    """Return a diagram of some boxes, in this order, with the lines between them."""
     number = {box: place for place, box in enumerate(boxes)}
     lines = tuple(
         replace(line, tail=number[line.tail], head=number[line.head])

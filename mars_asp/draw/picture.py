@@ -151,7 +151,7 @@ def depict(
 def _node_look(
     name: str, configuration: Configuration
 ) -> tuple[str | None, str | None, str | None]:
-    """Return the kind of a node, its colour (of a pack), and the flow that it carries."""
+    """Return the kind of a node, its colour (of packs only), and the flow that it carries."""
     kind = configuration.node_kind(name)
     brought = next((each for each in configuration.kinds if each.kind == kind), None)
     if brought is not None:
@@ -160,7 +160,7 @@ def _node_look(
 
 
 def _relationship_ends(relationship: Relationship) -> tuple[str, str]:
-    """Return the names at the tail and the head of the line of a relationship."""
+    """Return the modules at the tail and the head of a relationship's line."""
     left, right = ends_of(relationship)
     return (left, right) if isinstance(relationship, Mount) else (right, left)
 
@@ -204,7 +204,7 @@ def _picture_line(
 
 
 def _in_words(transformation: Transformation) -> list[str]:
-    """Return the turns of a transformation, to hundredths, and its lengths in words."""
+    """Return the rotations and shifts of a mount's transformation as texts."""
     turns = (
         f"{print_number(round(turn, 2))}° about {axis.lower()}"
         for axis, turn in transformation.rotations

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 def rank_boxes(
     count: int, arcs: Sequence[tuple[int, int]]
 ) -> tuple[list[int], list[tuple[int, int]]]:
-    """Return the rank of each box, from 0, and every arc turned so that it leads to a higher rank.
+    """Return the rank of each box, from 0, and the arcs, turned to lead to higher ranks.
 
     Arcs that close a cycle in a depth-first search are turned round.
     """

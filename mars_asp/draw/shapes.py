@@ -29,7 +29,7 @@ _STROKES: dict[LineKind, str] = {
 
 
 def text_width(text: str, size: float) -> float:
-    """Return about how wide a text is in a wide sans-serif font, in px; fonts differ."""
+    """Return the approximate width of a text in px, in a wide sans-serif font."""
     return size * sum(map(_character_width, text))
 
 
@@ -44,17 +44,17 @@ def _character_width(character: str) -> float:
 
 
 def escaped(text: str) -> str:
-    """Return text that XML reads as this text."""
+    """Return a text escaped for XML."""
     return html.escape(text.translate(_NOT_XML))
 
 
 def plain(number: float) -> str:
-    """Return a number in tenths of a px; the shortest form, never `-0`."""
+    """Return a number rounded to tenths, in its shortest form."""
     return f"{round(number * 10) / 10 + 0.0:.1f}".removesuffix(".0")
 
 
 def box_size(box: Box, lines: int, loops: int) -> Size:
-    """Return the size of a box with room for its text, lines at a side, and lines to itself."""
+    """Return the size of a box that fits its text, `lines` at one side, and `loops` to itself."""
     badge = badge_width(box.findings)
     if box.alone:
         return text_width(_short(box.name), NOTE) + 16 + badge, 22.0
@@ -73,12 +73,12 @@ def label_size(line: Line) -> Size | None:
 
 
 def badge_width(findings: Sequence[NumberedFinding]) -> float:
-    """Return the width of the numbers of findings, with the space after them."""
+    """Return the width of a badge with the numbers of findings, and its margin."""
     return text_width(_numbers(findings), LABEL) + 14 if findings else 0.0
 
 
 def draw_markers() -> Iterator[str]:
-    """Yield the heads of arrows."""
+    """Yield SVG definitions of arrow heads."""
     for kind in ("data", "control"):
         yield (
             f'<marker id="{kind}" viewBox="0 0 10 10" refX="9.5" refY="5" markerWidth="9" '
@@ -88,7 +88,7 @@ def draw_markers() -> Iterator[str]:
 
 
 def draw_box(box: Box, centre: Point, size: Size) -> Iterator[str]:
-    """Yield a box with its name and note."""
+    """Yield SVG of a box with its name and note."""
     x, y = centre
     whole = f"{box.name}: {box.note}" if box.note else box.name
     if box.alone:
@@ -108,7 +108,7 @@ def draw_box(box: Box, centre: Point, size: Size) -> Iterator[str]:
 
 
 def _classes(kind: str, findings: Sequence[NumberedFinding]) -> str:
-    """Return the attributes of a box or line of a kind with its findings."""
+    """Return the SVG attributes of a box or line of a kind, with its findings."""
     if not findings:
         return f'class="{kind}"'
     numbers = " ".join(str(each.number) for each in findings)
@@ -116,13 +116,13 @@ def _classes(kind: str, findings: Sequence[NumberedFinding]) -> str:
 
 
 def _numbers(findings: Sequence[NumberedFinding]) -> str:
-    """Return the numbers of findings, shortened where they would make a box too wide."""
+    """Return the numbers of findings as text, shortened if too long."""
     shown = [str(each.number) for each in findings[:_MOST_NUMBERS]]
     return ", ".join([*shown, *(["…"] if len(findings) > _MOST_NUMBERS else [])])
 
 
 def draw_badge(findings: Sequence[NumberedFinding], left: Point) -> str:
-    """Return the numbers of findings: on a dark ground for errors, on a light one for warnings."""
+    """Return SVG of a badge with the numbers of findings: dark for errors, else light."""
     severity = gravest(findings)
     colour, _ = FINDINGS[severity]
     radius, fill, ink = (2, colour, "#ffffff") if severity == "error" else (8, "#ffffff", colour)
@@ -134,7 +134,7 @@ def draw_badge(findings: Sequence[NumberedFinding], left: Point) -> str:
 
 
 def draw_outline(box: Box, corner: Point, size: Size) -> str:
-    """Return a box without text: with square corners for a module, with round ends for a node."""
+    """Return SVG of an empty box: square corners for a module, round ends for a node."""
     fill, stroke = box_colours(box)
     radius = 3.0 if box.node is None else size[1] / 2
     if box.findings:
@@ -143,7 +143,7 @@ def draw_outline(box: Box, corner: Point, size: Size) -> str:
 
 
 def draw_line(line: Line, route: Route) -> str:
-    """Return a line with its label: a mount ends in a disc, a flow in an arrow's head."""
+    """Return SVG of a line with its label; a mount ends in a disc, others in an arrow head."""
     (x, y), *rest = route.points
     curves = "".join(
         f"C{_pair(a)} {_pair(b)} {_pair(c)}"
@@ -164,7 +164,7 @@ def draw_line(line: Line, route: Route) -> str:
 
 
 def _label(line: Line, at: Point) -> str:
-    """Return a line's label, which covers the line."""
+    """Return SVG of a line's label, which hides the line below it."""
     width, height = label_size(line) or (0.0, 0.0)
     left, badge = at[0] - width / 2, badge_width(line.findings)
     label = _rectangle((left, at[1] - height / 2), (width, height), 'fill="#ffffff"')
@@ -181,7 +181,7 @@ def draw_text(text: str, at: Point, size: float, colour: str, anchor: str = "sta
 
 
 def draw_sentence(text: str, at: Point, size: float, colour: str, anchor: str = "start") -> str:
-    """Return SVG of a text at its full length, unlike `draw_text`."""
+    """Return SVG of a text, never shortened."""
     return (
         f'<text x="{plain(at[0])}" y="{plain(at[1] + size * 0.36)}" font-size="{plain(size)}" '
         f'text-anchor="{anchor}" fill="{colour}">{escaped(text)}</text>'

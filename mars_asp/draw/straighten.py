@@ -10,7 +10,7 @@ _NEXT_TO_NOTHING = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Pull:
-    """A wish of a vertex: to be at `offset` from vertex `to`, which is in an adjacent layer."""
+    """The preferred position of a vertex: `offset` from vertex `to` in an adjacent layer."""
 
     to: int
     offset: float
@@ -51,7 +51,10 @@ def straighten(
 def _mean(
     vertex: int, pulls: Mapping[int, Sequence[Pull]], xs: Sequence[float], one_way: bool, up: bool
 ) -> tuple[float, float]:
-    """Return the weighted mean of the targets of a vertex's pulls, and their total weight."""
+    """Return the mean position that a vertex's pulls prefer, and their weight.
+
+    If `one_way`, only pulls from below (`up`) or from above count.
+    """
     found = [pull for pull in pulls.get(vertex, ()) if not one_way or pull.below == up]
     if not found:
         return xs[vertex], 0.1
@@ -84,7 +87,7 @@ def _align(
     distances: Sequence[Sequence[float]],
     pulls: Mapping[int, Sequence[Pull]],
 ) -> None:
-    """Move blocks of aligned vertices, in place, to the median of their pulls, where room is.
+    """Move blocks of aligned vertices, in place, to the medians of their pulls, as far as possible.
 
     No move increases the weighted sum of the sideways lengths of lines, and a block that reaches a
     median becomes a part of a larger block. Rounds of single vertices and of long lines come
@@ -136,7 +139,7 @@ def _blocks(
     pulls: Mapping[int, Sequence[Pull]],
     least: float,
 ) -> Iterator[list[int]]:
-    """Yield the blocks of vertices that pulls of weight `least` or more align, by current `xs`."""
+    """Yield blocks of vertices that pulls with at least the weight `least` align at present."""
     seen = [False] * len(xs)
     for layer in layers:
         for first in layer:
@@ -153,7 +156,7 @@ def _blocks(
 
 
 def _nearest_median(wanted: Sequence[tuple[float, float]]) -> float:
-    """Return the weighted median; of several the one nearest to 0 that is among `wanted`."""
+    """Return the weighted median of (position, weight) pairs; of several, the nearest to 0."""
     half = sum(weight for _, weight in wanted) / 2
     passed = 0.0
     low: float | None = None

@@ -44,7 +44,7 @@ Layout: TypeAlias = Callable[[Sequence[Size], Sequence[LayeredEdge]], Drawing]
 
 
 class _Arrangement(NamedTuple):
-    """Boxes and lines with their positions, and captions of the boxes without lines."""
+    """The positions of boxes and lines, and captions for the boxes without lines."""
 
     sizes: Sequence[Size]
     drawing: Drawing
@@ -62,10 +62,10 @@ def drawn_width(picture: Picture) -> float:
 def svg_text(
     picture: Picture, targets: Mapping[str | int, str] = _NOWHERE, layout: Layout = draw_graph
 ) -> str:
-    """Return a picture as SVG; its text is escaped, and nothing in it is active.
+    """Return a diagram as SVG, without any active content.
 
-    In a page that contains the diagram, boxes link to the `targets` of their names, and lines to
-    those of the numbers of their findings.
+    In an HTML page that contains it, boxes link to the `targets` of their names, and lines to those
+    of the numbers of their findings.
 
     Raises:
         TooLargeError: there would be too many lines beside too many boxes.
@@ -117,7 +117,7 @@ def svg_text(
 
 
 def _linked(parts: Iterable[str], name: str, target: str | None) -> Iterator[str]:
-    """Yield parts inside a link to a target, if there is one."""
+    """Yield SVG parts inside a link to `target`, unless this is None."""
     if target is not None:
         yield f'<a href="{escaped(target)}" aria-label="{escaped(name)}">'
     yield from parts
@@ -126,10 +126,10 @@ def _linked(parts: Iterable[str], name: str, target: str | None) -> Iterator[str
 
 
 def _laid_out(picture: Picture, layout: Layout) -> _Arrangement:
-    """Return the sizes and positions of boxes and lines; boxes without lines are below the others.
+    """Return the positions of boxes and lines; boxes without lines are at the bottom.
 
     Raises:
-        TooLargeError: there would be too many lines beside too many boxes.
+        TooLargeError: the diagram is too large.
     """
     loops = Counter(line.tail for line in picture.lines if line.tail == line.head)
     leaving = Counter(line.tail for line in picture.lines)

@@ -358,7 +358,7 @@ def _scattered(scatter: Mapping[str, Any], scenario: Scenario) -> Iterator[Circl
 
 
 def _limit(function: Function) -> float | None:
-    """Return the maximal rate of a function, for a grasp the width; None if it states none."""
+    """Return the maximal rate of a function (a grasp has a width), or None if it states none."""
     limit = function.max if function.name == GRASP else function.rate
     return None if limit is None else float(limit)
 

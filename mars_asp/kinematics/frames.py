@@ -48,7 +48,7 @@ class KinematicTree:
     joints: Mapping[str, tuple[Joint, ...]]
 
     def ancestors(self, name: str) -> tuple[str, ...]:
-        """Return the carriers of a module, nearest first."""
+        """Return the modules that carry a module, nearest first."""
         found = []
         while name in self.carrier:
             name = self.carrier[name]
@@ -113,7 +113,7 @@ def mount_matrix(mount: Mount, modules: Mapping[str, Module]) -> Matrix:
 
 
 def build_robot(mounts: Sequence[Mount], modules: Mapping[str, Module]) -> KinematicTree:
-    """Return the modules that mounts join; of several mounts of one module the first counts.
+    """Return the tree of modules that mounts connect; the first mount of a module counts.
 
     Modules that a cycle of mounts carries have no root and are left out.
     """
@@ -154,7 +154,7 @@ def unit_twist(function: str) -> Matrix:
 
 
 def adjoint(pose: Matrix) -> Matrix:
-    """Return the 6x6 matrix that takes twists along a pose (Lynch and Park, 3.20)."""
+    """Return the 6x6 matrix that transforms twists by a pose (Lynch and Park, 3.20)."""
     x, y, z = pose[:3, 3]
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     matrix = np.zeros((6, 6))
@@ -207,7 +207,7 @@ def jacobian(posture: Posture, name: str, providers: Sequence[str]) -> Matrix:
 
 
 def scaled(columns: Matrix) -> Matrix:
-    """Return columns (nxk) of length one, lengths in twists measured in the longest lever arm.
+    """Return columns (nxk) scaled to length one; lengths are in units of the longest lever arm.
 
     Directions stay; columns of zeros stay zero.
     """

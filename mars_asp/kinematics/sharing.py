@@ -25,10 +25,10 @@ _SEED = 1
 
 
 class Carrying:
-    """How the motions of some carriers move one module.
+    """How the motions of some modules, its carriers, move one module.
 
-    `position` gives the present values of a module's motions in degrees and mm; those it does not
-    name rest.
+    `position` returns the present values of a module's motions in degrees and mm; missing ones are
+    at rest.
     """
 
     def __init__(
@@ -44,9 +44,10 @@ class Carrying:
         self._supports: dict[str, tuple[Joint, ...]] = {}
 
     def alone(self, carrier: str, function: str) -> Shares:
-        """Return the shares of one carrier's motions that combine to a function at rest, if so.
+        """Return the motions of a carrier that alone give a function at rest, with shares.
 
-        Of turns only the angular part counts: an arc is given.
+        The result is {} if they cannot. Of rotations only the angular part counts: they may move
+        the module along an arc.
         """
         if function == GRASP:
             return {}
@@ -74,13 +75,14 @@ class Carrying:
         ]
 
     def anyone(self, function: str) -> bool:
-        """Whether a carrier alone gives a function at rest."""
+        """Whether some carrier alone can give a function at rest."""
         return any(self.alone(carrier, function) for carrier in self.carriers)
 
     def together(self, function: str) -> dict[Joint, float]:
-        """Return the shares of a least support's motions in a function at the present posture.
+        """Return the joints that together give a function at the present posture, with their rates.
 
-        They are rates in degrees and mm for one degree or mm; none where the posture is singular.
+        Rates are in degrees or mm for each degree or mm of the function. The result is empty
+        without a support, or if the posture is singular.
         """
         joints = self.support(function)
         if not joints:
@@ -106,7 +108,7 @@ class Carrying:
         }
 
     def support(self, function: str) -> tuple[Joint, ...]:
-        """Return the motions of the least support, as they are at a generic posture."""
+        """Return the joints of the smallest, nearest support of a function; () if there is none."""
         if function == GRASP:
             return ()
         if function not in self._supports:
@@ -148,7 +150,7 @@ def _shares(joints: Sequence[Joint], columns: Matrix, index: int) -> Shares:
 
 
 def _in_degrees(function: str, turns: bool) -> float:
-    """Return the factor to units of degrees or mm of a joint's share; 1 if both or neither turn."""
+    """Return the factor for a share if one of joint and function turns and the other does not."""
     turned = function.startswith("Rotn")
     if turned == turns:
         return 1.0

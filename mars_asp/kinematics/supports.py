@@ -23,7 +23,7 @@ _NOTHING = sqrt(TOLERANCE) / 10
 
 
 def spanned(columns: Matrix) -> NDArray[np.bool_]:
-    """Return which unit vectors of n lie in the span of columns (nxk)."""
+    """Return, for each of n unit vectors, whether it is in the span of columns (nxk)."""
     columns = scaled(columns)
     size = columns.shape[0]
     if not columns.size:
@@ -35,9 +35,9 @@ def spanned(columns: Matrix) -> NDArray[np.bool_]:
 
 
 def columns_with_share(columns: Matrix, unit: int) -> tuple[int, ...]:
-    """Return columns (nxk) that support a unit vector, none of which can be left out.
+    """Return the indices of a minimal set of columns (nxk) that supports a unit vector.
 
-    If there are several such sets, earlier columns are kept; none if the vector is not spanned.
+    Earlier columns are preferred. The result is () if the vector is not in their span.
     """
     if not spanned(columns)[unit]:
         return ()
@@ -91,7 +91,7 @@ def circuits(columns: Matrix, unit: int) -> Iterator[tuple[int, ...]]:
 
 
 def _padded(groups: Sequence[Matrix]) -> Matrix:
-    """Return groups as one array (groups, 6, most columns), scaled together, padded with zeros."""
+    """Return groups as an array (groups, 6, columns), scaled together and padded with zeros."""
     most = max((group.shape[1] for group in groups), default=0)
     padded = np.zeros((len(groups), 6, most))
     if groups:
@@ -122,7 +122,7 @@ def _rest(padded: Matrix, sets: NDArray[np.intp]) -> Matrix:
 
 
 def _sufficient(groups: Sequence[Matrix], unit: int) -> list[int]:
-    """Return groups that support a unit vector, near ones kept; none can be left out."""
+    """Return a minimal list of groups that support a unit vector, nearest first; [] if none."""
     kept: list[int] = []
     rank = 0
     for index in range(len(groups)):
@@ -143,7 +143,7 @@ def _sufficient(groups: Sequence[Matrix], unit: int) -> list[int]:
 
 @lru_cache
 def _reach(size: int) -> int:
-    """Return the greatest number of elements that has at most `MOST_SETS` subsets of a size."""
+    """Return the largest number of elements with at most `MOST_SETS` subsets of a size."""
     count = size
     while comb(count + 1, size) <= MOST_SETS:
         count += 1

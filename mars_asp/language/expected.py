@@ -70,7 +70,7 @@ _UNSEEN_NAME = re.compile(rf'\.?"[^"]*[{UNSEEN}]')
 
 
 def describe(layout: Layout, base: int, piece: str, error: UnexpectedInput) -> Diagnostic:
-    """Return the diagnostic of a statement, `piece`, which begins at offset `base`."""
+    """Return the syntax error of the statement `piece`, which begins at offset `base`."""
     at = min(max(error.pos_in_stream or 0, 0), len(piece))
     match = _WORD.search(piece, at)
     found = f"`{match[0]}`" if match else "the end of the line"
@@ -105,7 +105,7 @@ def describe(layout: Layout, base: int, piece: str, error: UnexpectedInput) -> D
 
 
 def _hint(piece: str, found: str) -> str | None:
-    """Return advice about a superfluous `,` or the keyword that a word resembles, or None."""
+    """Return advice on a syntax error at the word `found`, or None if there is no likely cause."""
     if found in KEYWORDS and "," in piece[: piece.rfind(found)]:
         return "the `,` before it continues the list; drop it where the list ends"
     words = [found, *_WORD.findall(piece)]

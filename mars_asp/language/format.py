@@ -52,7 +52,7 @@ def format_text(text: str, path: str) -> str:
 
 
 def meaning(value: object) -> object:
-    """Return a value of the model without locations and without its original spelling."""
+    """Return a model value without locations and original spelling, to compare two of them."""
     if isinstance(value, tuple):
         return tuple(map(meaning, value))
     if is_dataclass(value) and not isinstance(value, type):
@@ -72,7 +72,7 @@ class _FormattedLines:
             self._kinds |= {first: "first", last: "last"}
 
     def all(self) -> Iterator[FormattedLine]:
-        """Yield every line, with all blank lines."""
+        """Yield every line, with all blank lines of the original."""
         begin = 0
         for piece in self._layout.grammatical.removesuffix("\n").split("\n"):
             end = begin + len(piece)
@@ -85,7 +85,7 @@ class _FormattedLines:
             begin = end + 1
 
     def _between(self, begin: int, end: int) -> Iterator[FormattedLine]:
-        """Yield the lines of a range without a statement."""
+        """Yield the comment, block and blank lines between two offsets outside statements."""
         number = self._layout.position(begin)[0]
         for count, text in enumerate(self._layout.text[begin:end].split("\n")):
             kind = self._kinds.get(number + count)
@@ -119,7 +119,7 @@ class _FormattedLines:
         yield _with_comment(line, after)
 
     def _gap(self, begin: int, end: int) -> Iterator[str]:
-        """Yield the text between two tokens, line by line; the last line is that of the token."""
+        """Yield the text between two tokens line by line; the next token is on the last line."""
         first, *lines = self._layout.text[begin:end].split("\n")
         yield first.strip()
         number = self._layout.position(begin)[0]
@@ -129,7 +129,7 @@ class _FormattedLines:
 
 
 def _spaces(tokens: list[Token]) -> list[str]:
-    """Return the space before each token but the first, if both are on one line.
+    """Return "" or " " for each token but the first: the space before it on the same line.
 
     The arguments of a mode follow its name directly and have blanks between them; the slots of a
     tuple have none.
@@ -147,7 +147,7 @@ def _spaces(tokens: list[Token]) -> list[str]:
 
 
 def _filled(tokens: list[Token], spaces: list[str]) -> Iterator[str]:
-    """Yield the lines of a statement: several only for a list of names or paths."""
+    """Yield the lines of a statement; only a list of names or paths may have several."""
     words = [token.text for token in tokens]
     heads = 1 if words[0] in ("@modules", "@sources") else 2
     listed = heads == 1 or words[1:2] == ["is_controlled_by"]

@@ -19,7 +19,7 @@ _Tables: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
 
 
 def parsed(text: str) -> list[Raw] | UnexpectedInput:
-    """Return the statements of a text, or the first syntax error."""
+    """Return the statements of a text as raw tuples (rule, children), or the first syntax error."""
     try:
         return cast("list[Raw]", _parser().parse(text))
     except UnexpectedInput as error:
@@ -27,14 +27,14 @@ def parsed(text: str) -> list[Raw] | UnexpectedInput:
 
 
 class _Statements(Transformer[Token, list[Raw]]):
-    """Turns each statement into the name of its rule and its children."""
+    """Transforms Lark's trees into raw tuples: the name of the rule, and the children."""
 
     def start(self, children: list[Raw]) -> list[Raw]:
         """Return the statements of a text."""
         return children
 
     def __default__(self, data: str, children: list[Any], meta: object) -> Any:
-        """Return a rule's name and its children; of a repetition, a tree that Lark takes apart."""
+        """Return the raw tuple of a rule, or a tree for a repetition, which Lark expands."""
         if data.startswith("_"):
             return Tree(data, children)
         return data, [_word(child) for child in children]
@@ -64,7 +64,7 @@ def _parser() -> Lark:
 
 
 def _tables(grammar: Path) -> _Tables:
-    """Return the tables of a grammar, as in Lark's own standalone parsers."""
+    """Return the parse tables of a grammar, from which Lark's parser is built."""
     made = Lark(grammar.read_text(encoding="utf-8"), parser="lalr", maybe_placeholders=True)
     tables: _Tables = made.memo_serialize([TerminalDef, Rule])
     return tables

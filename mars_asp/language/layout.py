@@ -20,7 +20,7 @@ class Layout(FileText):
     """The original text, and the text that the grammar reads."""
 
     def __init__(self, path: str, text: str, grammatical: str) -> None:
-        """Keep a text, and the same with blanks for everything outside the grammar."""
+        """Keep a text, and its grammatical form, in which all else is blank."""
         super().__init__(path, text)
         self.grammatical = grammatical
 

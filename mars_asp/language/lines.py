@@ -52,9 +52,9 @@ _NAMES = re.compile(_NAME)
 
 
 def read_lines(text: str) -> tuple[list[Read], str | None]:
-    """Return the readable statements, and the remaining text with blanks in place of them.
+    """Return simple statements as (begin, end, raw), and the remaining text, None if blank.
 
-    Offsets refer to `text`; the remaining text is `None` if it would be blank.
+    Offsets refer to `text`; statements are blanked in the remaining text.
     """
     read = [_read_match(match) for match in _LINE.finditer(text)]
     at = 0

@@ -85,7 +85,7 @@ class Parsed(NamedTuple):
 
 
 def parse_file(path: Path) -> Parsed:
-    """Read a `.mars` file.
+    """Return the content of a `.mars` file.
 
     Raises:
         MarsError: the file cannot be read, or is not in the language.
@@ -103,12 +103,12 @@ def read_text(path: Path) -> str:
 
 
 def read_bytes(path: Path, most: int = MOST_BYTES, named_in: str | None = None) -> bytes:
-    """Return the content of a file, cut off after `most` bytes and one more.
+    """Return the content of a file; of a larger one `most` bytes and one more.
 
     `named_in` is the file that refers to it, or None if the user names it.
 
     Raises:
-        MarsError: the file cannot be read, or must not be.
+        MarsError: the file cannot be read, or lies outside of the permitted folders.
     """
     held = overlay_bytes(path)
     if held is not None:
@@ -193,7 +193,7 @@ def parse_text(text: str, path: str) -> Parsed:
 
 
 def _control_characters(text: str, path: str, wrong: Set[int]) -> Iterator[Diagnostic]:
-    """Yield the first control character of each line without other errors."""
+    """Yield an error for the first control character of each line not in `wrong`."""
     if not _CONTROL.search(text):
         return
     for number, line in enumerate(text.split("\n"), 1):
@@ -210,7 +210,7 @@ def _control_characters(text: str, path: str, wrong: Set[int]) -> Iterator[Diagn
 
 
 def _statements(layout: Layout, problems: list[Diagnostic]) -> Iterator[tuple[int, Raw]]:
-    """Yield statements in the order of the file, each with the base of its offsets.
+    """Yield each statement with the offset that its own offsets are relative to.
 
     Simple lines are read one by one. The remaining text is parsed as a whole; only if that fails,
     each statement by itself, so that no error hides another.
@@ -316,7 +316,7 @@ def _with_origin(configuration: Configuration, layout: Layout, blocks: Blocks) -
 
 
 def _outside(words: str, pattern: str, layout: Layout, blocks: Blocks) -> Iterator[re.Match[str]]:
-    """Yield the matches of a pattern outside of module blocks, if the text contains `words`."""
+    """Yield the matches of a pattern outside of module blocks; none without `words` in the text."""
     if words not in layout.text:
         return  # as in most files, so that the pattern is not compiled
     inside = {number for first, last in blocks.lines for number in range(first, last + 1)}
@@ -339,7 +339,7 @@ def _contrary(stand_ins: Iterable[StandIn]) -> Iterator[Diagnostic]:
 def _about_nobody(
     configuration: Configuration, stand_ins: Iterable[StandIn]
 ) -> Iterator[Diagnostic]:
-    """Yield a warning for each comment about an unknown node or module."""
+    """Yield a warning for each comment whose node or module does not exist."""
     known = {name.text for name in configuration.modules}
     known.update(name for each in configuration.relationships for name in ends_of(each))
     named = [
@@ -360,7 +360,7 @@ def _about_nobody(
 
 
 def unreadable(shown: str, reason: str, advice: str | None = None) -> Diagnostic:
-    """Return the error that a file cannot be read, with the reason."""
+    """Return the error that a file cannot be read, with reason and advice."""
     place = whole_file(shown)
     # An excerpt would read the whole file.
     return Diagnostic("unreadable", "error", reason, place, help=advice, excerpt="")

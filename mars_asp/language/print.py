@@ -99,7 +99,7 @@ def print_number(number: Decimal) -> str:
 
 
 def fill(head: str, parts: Iterable[str]) -> Iterator[str]:
-    """Yield the lines of a list, broken between parts; no line begins with `@`, as in a block."""
+    """Yield the lines of a list, broken between `parts`; no line begins with `@`."""
     line = head
     for part in parts:
         if len(line) + 1 + len(part) > WIDTH and line != head and not part.startswith("@"):
@@ -206,7 +206,7 @@ def _function_line(function: Function) -> str:
 
 
 def _service(service: Service) -> Iterator[str]:
-    """Yield an annotation and a declaration; annotations override the types of the declaration."""
+    """Yield the lines of a service: its annotations and a declaration."""
     modes = [print_mode(mode) for mode in service.modes]
     if service.hz is not None:
         periodic = [mode.name for mode in service.modes].index("NotifyAtFrequency")

@@ -19,7 +19,7 @@ _UP = os.pardir
 def sources_seen_from(
     folder: Path, configuration: Configuration, arguments: Iterable[str] = ()
 ) -> tuple[Name, ...]:
-    """Return the sources of a configuration and of `--sources`, relative to a folder.
+    """Return the sources of a configuration and of `--sources` as paths relative to a folder.
 
     Absolute paths remain unchanged, and duplicates are removed.
 

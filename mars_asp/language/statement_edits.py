@@ -9,10 +9,10 @@ from mars_asp.language.tokens import Token
 
 @dataclass(eq=False, slots=True)
 class Member:
-    """One name of a list with the words after it, and the edits of it.
+    """One entry of a list: a name with the words after it, and its edits.
 
-    `new` is another name, `rank` another priority: a list with such a controller is split into
-    lines. `plain` is whether the stated priority is removed, `gone` whether the member is.
+    `new` is another name, `rank` another priority (the list is then split into lines). `plain` is
+    whether the stated priority is removed, `gone` whether the entry is.
     """
 
     tokens: tuple[Token, ...]
@@ -34,7 +34,7 @@ class Member:
         return second[0] if second and second[0].text.lstrip("+-").isdigit() else None
 
     def written(self, place: int | None = None, name: str | None = None) -> str:
-        """Return the edited text of the member; its `place`, if passed, is the default priority."""
+        """Return the edited text; `place` is the default priority, `name` replaces the name."""
         priority = self.priority
         rest = [token.text for token in self.tokens[1:] if token is not priority]
         declared = place if self.rank is None else self.rank
@@ -57,7 +57,7 @@ class ListEdit:
     _width: int = 0
 
     def __post_init__(self) -> None:
-        """Find the members."""
+        """Split the statement into its head and members."""
         self.head = self.tokens[0].text
         members: list[Member] = []
         piece: list[Token] = []
@@ -133,7 +133,7 @@ class ListEdit:
         return lines
 
     def _append(self, draft: Draft, kept: Sequence[Member]) -> None:
-        """Append the added names after the last remaining member, in the layout of the list."""
+        """Append the added names after the last of the `kept` members."""
         if not kept:
             line = draft.line_at(self.tokens[0].begin)
             end = self._tokens_by_line(draft)[line][-1].end

@@ -80,7 +80,7 @@ def begin_of(raw: Raw) -> int:
 
 
 def _instance(child: "Word | Raw") -> tuple[Word, Word | None]:
-    """Return a name of `@modules`, and the name of the module that describes it, or None."""
+    """Return a name in `@modules`, and the module that describes it (`A: B`), or None."""
     if isinstance(child, Word):
         return child, None
     word, described = child[1]
@@ -107,13 +107,13 @@ class Builder:
         self._attributed: list[Attributed] = []
 
     def add(self, base: int, raw: Raw) -> None:
-        """Add a statement whose offsets count from `base`."""
+        """Add a statement whose offsets are relative to `base`."""
         self._base = base
         rule, children = raw
         _ADD[rule](self, children)
 
     def configuration(self, complete: bool) -> Configuration:
-        """Return the configuration; if it is `complete`, note its missing statements."""
+        """Return the configuration; if `complete`, add errors for missing statements."""
         if self._header is None and not complete:
             return Configuration(self.layout.path, self._header_span)
         if self._header is None:
@@ -298,7 +298,7 @@ class Builder:
         self._relationships.append(Data(str(client), str(source), span, mode, hz, *ports))
 
     def _check_port(self, name: Word, port: "Word | Raw | None") -> None:
-        """Note a port that is separated from its module by blanks."""
+        """Add an error if blanks separate a port from its module."""
         if isinstance(port, Word) and self.layout.grammatical[self._base + name.end] != ".":
             begin, end = self._base + name.end, self._base + port.end
             self._note_problem(
@@ -306,7 +306,7 @@ class Builder:
             )
 
     def _read_rate(self, child: "Word | Raw | None") -> tuple[Fraction | None, Word | None]:
-        """Return the stated rate, and the word of its number."""
+        """Return a stated rate and the word of its number; None for a missing or wrong rate."""
         if isinstance(child, tuple):
             number, unit = child[1]
             assert isinstance(number, Word)
@@ -321,7 +321,7 @@ class Builder:
         return found, child
 
     def _read_number(self, word: "Word | Raw | None", wanted: NumberRange) -> Decimal | None:
-        """Return the number in a word; note the error if it is invalid."""
+        """Return the number in a word; None without a word, and with an error if invalid."""
         if not isinstance(word, Word):
             return None
         found = wanted.read(str(word))

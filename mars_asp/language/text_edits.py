@@ -24,9 +24,9 @@ _NO_STATEMENT = re.compile(r"\s*(?:(?://|#).*)?")
 class LineEdit:
     """A line of a file that is replaced, deleted or inserted.
 
-    `old` is the whole original line, without line end, or `None` for inserted lines: then `where`
-    is the side of line `line` on which they are inserted, and `new` may contain several lines.
-    `new` is `None` for a deleted line. Lines and columns are those of the original text.
+    `old` is the whole original line, or None for inserted lines: then `new` may contain several
+    lines, and they are inserted on the side `where` of line `line`. `new` is `None` for a deleted
+    line. Lines and columns are those of the original text.
     """
 
     path: str
@@ -42,7 +42,7 @@ class ConflictError(Exception):
 
 
 class Draft(FileText):
-    """A text while it is edited; offsets are those of the original."""
+    """A text and its edits; offsets are those of the original text."""
 
     def __init__(self, path: str, text: str) -> None:
         """Begin with a text."""
@@ -71,7 +71,7 @@ class Draft(FileText):
         return self.offset(span.line, span.column)
 
     def put(self, begin: int, end: int, text: str) -> None:
-        """Replace a range by a text, in place of an earlier replacement of the same range."""
+        """Replace a range by a text; a second replacement of the same range replaces the first."""
         self._stretches[begin, end] = text
 
     def delete(self, line: int) -> None:
@@ -122,7 +122,7 @@ class Draft(FileText):
         return tuple(sorted(edited, key=lambda edit: (edit.line, sides.index(edit.where))))
 
     def _pieces(self) -> dict[int, list[tuple[int, int, str]]]:
-        """Return the replaced columns of each line, from 0, in their order."""
+        """Return for each line its replacements (begin, end, text), with columns from 0."""
         pieces: dict[int, list[tuple[int, int, str]]] = {}
         for (begin, end), text in sorted(self._stretches.items()):
             first = self.line_at(begin)
@@ -133,7 +133,7 @@ class Draft(FileText):
         return pieces
 
     def _with_inserted(self, edits: dict[int, LineEdit]) -> list[LineEdit]:
-        """Return edits with the inserted lines; the first takes the place of a deleted line."""
+        """Return edits in order with insertions; one at a deleted line replaces this line."""
         whole = []
         for (number, where), lines in self._inserted.items():
             edit = edits.get(number)
@@ -189,7 +189,7 @@ def edited_bytes(raw: bytes, edits: Iterable[LineEdit]) -> bytes:
 
 
 def _codec(raw: bytes) -> str:
-    """Return the encoding of a file, with which the byte order mark is read as a character."""
+    """Return the encoding of a file, in which a byte order mark is a character."""
     if raw.startswith(b"\xff\xfe"):
         return "utf-16-le"
     if raw.startswith(b"\xfe\xff"):

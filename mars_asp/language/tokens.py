@@ -23,7 +23,7 @@ class Token:
 
     @property
     def name(self) -> str:
-        """Return the name that the token writes, without a port."""
+        """Return the module name in the token, unquoted and without a port."""
         found = read_end(self.text)
         return self.text if found is None else found[0]
 

@@ -29,7 +29,7 @@ _DEEP = re.compile(r"(?<![\w.\"'-])(?:(?:[\w-]++|\"[^\"\n]*+\"|'[^'\n]*+')[ \t]*
 
 
 def read_tables(text: str, path: str, code: str) -> dict[str, Any]:
-    """Return the tables of a TOML text; `code` is that of its errors.
+    """Return the tables of a TOML text; `code` is the code of errors.
 
     Raises:
         MarsError: the text is not TOML.
@@ -61,7 +61,7 @@ def read_tables(text: str, path: str, code: str) -> dict[str, Any]:
 
 
 def unusable_part(value: object) -> tuple[Path, str] | None:
-    """Return the location of an unusable value of TOML or JSON and the reason, or None."""
+    """Return path and reason of a value that is too large or nested too deep, or None."""
     waiting: list[tuple[Path, object]] = [((), value)]
     while waiting:
         path, each = waiting.pop()
@@ -77,22 +77,22 @@ def unusable_part(value: object) -> tuple[Path, str] | None:
 
 
 def long_number(text: str, path: str) -> Span:
-    """Return the place of the first number with more digits than Python reads."""
+    """Return the location of the first number with more digits than Python reads."""
     return _match_span(text, _DIGITS, path)
 
 
 def _match_span(text: str, pattern: re.Pattern[str], path: str) -> Span:
-    """Return the place of the first match; of none the begin of the text."""
+    """Return the location of the first match, else the begin of the text."""
     found = pattern.search(text)
     at = found.start() if found else 0
     return point(path, text.count("\n", 0, at) + 1, at - text.rfind("\n", 0, at))
 
 
 class Places:
-    """Locations are found on demand; the text is known to be TOML."""
+    """The locations of keys in a valid TOML text, found on demand."""
 
     def __init__(self, text: str, path: str) -> None:
-        """Read the text; of its tables only the headers and the keys."""
+        """Parse the text, and index tables and keys; values are indexed on demand."""
         # Most texts are right, and need no places.
         import tree_sitter_toml  # noqa: PLC0415
         from tree_sitter import Language, Parser  # noqa: PLC0415
@@ -110,14 +110,14 @@ class Places:
                 self._read_table(table)
 
     def of(self, *path: str | int) -> Span:
-        """Return the location of a key or list entry; else of the table that would hold it."""
+        """Return the location of a key or list entry, else of the table that would contain it."""
         for count in range(len(path), 0, -1):
             if self._open(path[:count]):
                 return self._span(self._stands[path[:count]])
         return whole_file(self._path)
 
     def _open(self, path: Path) -> bool:
-        """Return whether a path is in the text, after its tables have been read."""
+        """Index the values above a path, and return whether the path exists."""
         for count in range(1, len(path)):
             value = self._closed.pop(path[:count], None)
             if value is not None:
@@ -138,7 +138,7 @@ class Places:
                 self._closed[self._keys(key, under)] = value
 
     def _read_table(self, table: "Node") -> None:
-        """Read a table with a header, which may be one more of its name."""
+        """Index a `[table]` or `[[table]]` with its keys."""
         under = self._keys(table.named_children[0], ())
         if table.type == "table_array_element":
             number = self._begun[under] = self._begun.get(under, -1) + 1
@@ -147,7 +147,7 @@ class Places:
         self._pairs(table, under)
 
     def _keys(self, written: "Node", under: Path) -> Path:
-        """Return the path of a key below a table; the first location of each part is noted."""
+        """Return the path of a key below `under`, and index the first location of each part."""
         path = under
         for part in _key_parts(written):
             # What is below a name of several tables is in the last of them.
@@ -157,14 +157,14 @@ class Places:
         return path
 
     def _span(self, node: "Node") -> Span:
-        """Return a node's place; the column counts characters, where the node counts bytes."""
+        """Return the location of a node, whose columns count bytes."""
         line, column = node.start_point
         before = self._lines[line].encode()[:column].decode()
         return point(self._path, line + 1, len(before) + 1)
 
 
 def _key_parts(key: "Node") -> Iterable["Node"]:
-    """Return the first parts of a key, whose node holds all but the last in another node."""
+    """Return the parts of a dotted key, at most `_DEEPEST`."""
     found: list[Node] = []
     while key.type == "dotted_key":
         rest, *last = key.named_children
@@ -174,7 +174,7 @@ def _key_parts(key: "Node") -> Iterable["Node"]:
 
 
 def _meant(part: "Node") -> str:
-    """Return the text of a part of a key."""
+    """Return the text of a part of a key, unquoted."""
     text = (part.text or b"").decode()
     if part.type != "quoted_key":
         return text

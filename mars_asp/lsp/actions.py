@@ -30,7 +30,7 @@ class QuickFix(NamedTuple):
 def actions_at(
     actions: Iterable[QuickFix], found: Iterable[EditorFinding]
 ) -> Iterator[tuple[EditorFinding, QuickFix]]:
-    """Yield each quick fix in `actions` that removes one of the findings, with the finding."""
+    """Yield (finding, quick fix) for each action that removes one of the findings."""
     by_title: dict[str, list[QuickFix]] = {}
     for action in actions:
         by_title.setdefault(action.removes, []).append(action)

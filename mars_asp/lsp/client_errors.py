@@ -35,7 +35,7 @@ class ClientError(Exception):
 
 
 class BoundedInput:
-    """The input from a client; messages that are too large or have no length are replaced."""
+    """The input from a client; oversized messages are replaced by invalid ones."""
 
     def __init__(self, file: BinaryIO) -> None:
         """Set the file that messages are read from."""
@@ -80,7 +80,7 @@ class BoundedInput:
 
 
 def strict_converter() -> Any:
-    """Return the converter of pygls, which refuses numbers as texts and texts as numbers.
+    """Return pygls's converter, changed to reject numbers for texts and texts for numbers.
 
     Booleans are converted, because some clients send 0 and 1.
     """

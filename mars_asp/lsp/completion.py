@@ -107,7 +107,7 @@ def _typed(items: Iterable[Completion], text: Text, position: Position) -> Compl
 
 
 def _annotations(before: str, in_source: bool) -> Iterator[Completion]:
-    """Yield the keywords of annotations, or the modes or functions that follow a keyword."""
+    """Yield completions in an annotation; `before` is the text of the line up to the cursor."""
     match = _ANNOTATION.search(before)
     if match is None:
         if not in_source or "@" in before:
@@ -129,7 +129,7 @@ def _modes() -> Iterator[Completion]:
 
 
 def _statement(scene: DocumentContext, before: str) -> Iterator[Completion]:
-    """Yield the completion items that continue a line of a configuration."""
+    """Yield completions for a line of a configuration; `before` is its text up to the cursor."""
     code = re.sub(r"(?:^|\s)(?://|#).*", "", before)
     if code != before:
         return
@@ -202,7 +202,7 @@ def _modules(scene: DocumentContext) -> Iterator[Completion]:
 
 
 def _within(prefix: str, name: str) -> str | None:
-    """Return a module name without the prefix of an include, or None if it has another prefix."""
+    """Return a module's name inside an include with a prefix, or None if it is outside."""
     if not prefix:
         return name
     for before, own in ((f"{prefix}/", ""), (f"/{prefix}/", "/")):

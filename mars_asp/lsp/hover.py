@@ -84,7 +84,7 @@ def finding_text(finding: EditorFinding, traces: Mapping[str, str]) -> str:
 def module_texts(
     scene: DocumentContext, mention: Occurrence, position: Position
 ) -> tuple[str, str]:
-    """Return the annotations of a module or its port, and the module's consequences."""
+    """Return the text about a module's annotations or port, and that about its consequences."""
     robot, file = next(scene.own_files(), (None, None))
     if robot is None or file is None:
         return "", ""
@@ -113,7 +113,7 @@ def _port_text(described: Described, name: str, is_output: bool) -> str:
 
 
 def _word(scene: DocumentContext, text: str, place: Range) -> KeywordDoc | None:
-    """Return the keyword in a range, or None if the word is not a keyword there."""
+    """Return the documentation of the keyword at a range, or None if it is not one there."""
     is_inside = any(
         first <= place.start.line + 1 <= last for first, last in scene.here.blocks
     ) or not is_configuration(scene.here.text.path)

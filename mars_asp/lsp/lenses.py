@@ -53,7 +53,7 @@ def _lens_title(robot: EditorRobot, name: str) -> str:
 
 
 def _summary(scene: DocumentContext, robot: EditorRobot) -> str:
-    """Return the numbers of consequences, errors, warnings and introduced nodes as a text."""
+    """Return a text with the numbers of consequences, errors, warnings and nodes of a robot."""
     found = {title for titles in robot.consequences.values() for title in titles}
     parts = [counted(len(found), "consequence")]
     for severity in ("error", "warning"):

@@ -146,7 +146,7 @@ def _of_configuration(text: Text) -> DocumentOutline:
 
 
 def _mention(text: Text, layout: Layout, at: int, named: _Named) -> Occurrence:
-    """Return the occurrence of a module in a statement that begins at an offset."""
+    """Return the occurrence for a name in the statement that begins at offset `at`."""
     port = None
     if named.port is not None:
         place = _range(text, layout, at + named.port_begin, at + named.port_end)
@@ -202,7 +202,7 @@ def _in_list(tokens: Sequence[Token]) -> Iterator[_Named]:
 
 
 def _in_line(tokens: Sequence[Token]) -> Iterator[_Named]:
-    """Yield the modules of a relationship, or the first word of a line without a verb."""
+    """Yield the module names of a relationship; of an unfinished line its first word."""
     yield from _end(tokens[0], is_output=False)
     at = next((n for n, each in enumerate(tokens) if each.text in VERBS), None)
     if at is None:

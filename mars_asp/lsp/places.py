@@ -57,14 +57,14 @@ class TextEdit(NamedTuple):
 
 
 class ChangedLines(NamedTuple):
-    """The changed lines of an older text, from `first` to before `end`."""
+    """The changed lines of an older text: from `first` to before `end`; later ones `moved_by`."""
 
     first: int
     end: int
     moved_by: int
 
     def moved(self, found: Range) -> Range | None:
-        """Return a range of the older text in the newer one, or None if a line changed."""
+        """Return a range of the older text as one in the newer text, None if its lines changed."""
         if found.end.line < self.first:
             return found
         if found.start.line < self.end:

@@ -40,7 +40,7 @@ def references(scene: DocumentContext, position: Position) -> tuple[tuple[Place,
 def same_module(
     scene: DocumentContext, mention: Occurrence
 ) -> tuple[tuple[Place, Occurrence], ...]:
-    """Return the occurrences that share keys, also indirectly, with one; the open file first."""
+    """Return the occurrences of the module of `mention`, those in the open file first."""
     path = scene.here.text.path
     of_key: dict[_Key, list[tuple[Place, Occurrence]]] = {}
     keys_of: dict[tuple[Place, Occurrence], set[_Key]] = {}
@@ -77,7 +77,7 @@ def same_module(
 def _keys(
     robot: EditorRobot, file: OpenFile, mention: Occurrence, annotated: set[str], blocks: set[str]
 ) -> Iterator[_Key]:
-    """Yield the keys of an occurrence; two occurrences with a common key name one module."""
+    """Yield the keys of an occurrence; occurrences of one module share a key."""
     name = mention.name
     if not is_configuration(file.path) or (mention.role == "describing" and name not in blocks):
         yield _SOURCES, name

@@ -53,7 +53,7 @@ class OpenFile(NamedTuple):
     mentions: tuple[Occurrence, ...]
 
     def name_of(self, mention: Occurrence) -> str:
-        """Return the name in the robot of a module of the file; sources have no prefix."""
+        """Return the full name of a module in the robot, with the prefix of the file if any."""
         return (
             prefixed_name(self.prefix, mention.name)
             if is_configuration(self.path)
@@ -99,7 +99,7 @@ class DocumentContext:
                 yield file._replace(mentions=outline(file.path, written).mentions)
 
     def own_files(self) -> Iterator[tuple[EditorRobot, OpenFile]]:
-        """Yield each robot with this file, once for each include of the file."""
+        """Yield each robot that contains the open file, once for each include of it."""
         path = self.here.text.path
         return ((r, file) for r in self.robots for file in r.files if file.path == path)
 

@@ -125,7 +125,7 @@ def _mentions(tokens: list[_Token], text: Text) -> Iterator[PredicateMention]:
 
 
 def _arity(tokens: list[_Token], number: int, text: str, closed: Mapping[int, int]) -> int | None:
-    """Return the arity of the name at token `number`, by arguments or `/N`; None for a value."""
+    """Return the arity of the predicate at token `number`, or None if it is only a value."""
     token = tokens[number]
     declared = _ARITY.match(text, token.end)
     if declared is not None:
@@ -138,7 +138,7 @@ def _arity(tokens: list[_Token], number: int, text: str, closed: Mapping[int, in
 
 
 def _arguments(tokens: list[_Token]) -> dict[int, int]:
-    """Return the number of arguments after each opening bracket, closed or not."""
+    """Return the number of arguments in each opening bracket, by token."""
     found: dict[int, int] = {}
     opened: list[int] = []
     for number, token in enumerate(tokens):

@@ -98,7 +98,7 @@ class _Server(LanguageServer):
         self._answers: dict[tuple[str, str, str], asyncio.Task[Any]] = {}
 
     def handlers(self) -> Iterator[tuple[str, Callable[[Any], Any], Any]]:
-        """Yield each message of the protocol with its handler and the options of that, or None."""
+        """Yield (message, handler, options or None) for each message of the protocol."""
         triggers = types.CompletionOptions(trigger_characters=["@", ".", " ", ","])
         kinds = types.CodeActionOptions(code_action_kinds=[types.CodeActionKind.QuickFix])
         yield types.INITIALIZED, self.begin, None
@@ -227,7 +227,7 @@ class _Server(LanguageServer):
             before.cancel()
 
     async def _find_owners(self, path: str, delay: float) -> None:
-        """Find the configurations of a source and analyse them, or the source if there are none."""
+        """After `delay` seconds, analyse the configurations of a source, else the source itself."""
         await asyncio.sleep(delay)
         folders = [path_of(each.uri) or "" for each in self.workspace.folders.values()]
         inside = [each for each in folders if path.startswith(f"{each}/")]
@@ -241,7 +241,7 @@ class _Server(LanguageServer):
                 await self._analysed(queried, 0.0)
 
     async def _analysed(self, queried: str, delay: float) -> None:
-        """Analyse a robot, a source or rules, and publish the findings."""
+        """After `delay` seconds, analyse a robot, source or rules, and publish the findings."""
         await asyncio.sleep(delay)
         sort: Sort = (
             "check" if is_configuration(queried) else "lint" if is_rules(queried) else "source"
@@ -279,7 +279,7 @@ class _Server(LanguageServer):
             self.text_document_publish_diagnostics(result)
 
     async def _shared_answer(self, question: Question) -> Any:
-        """Return an answer, which requests share until an edit overtakes it.
+        """Return the answer to a question, shared by requests until an edit outdates it.
 
         Cancelling a request does not cancel the question.
         """
@@ -302,7 +302,7 @@ class _Server(LanguageServer):
             del self._answers[key]
 
     def _overtake(self, path: str) -> None:
-        """Drop the answers that an edit has overtaken, and cancel pending questions."""
+        """Discard answers that an edit at `path` outdates, and cancel pending questions."""
         queried = {path, *(robot.path for robot in self._workspace.robots_of(path))}
         for key, task in tuple(self._answers.items()):
             if key[1] in queried:

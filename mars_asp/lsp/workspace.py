@@ -126,7 +126,7 @@ class EditorWorkspace:
         return {each.place.path for each in self.found.pop(queried, ())}
 
     def idle(self) -> Iterator[str]:
-        """Yield the analysed files whose robot, or whose source, has no open file."""
+        """Yield the analysed files of which no file is open any more."""
         for queried in tuple(self.found):
             robot = self.robots.get(queried)
             paths = {queried} if robot is None else {queried, *robot.paths}
@@ -136,7 +136,7 @@ class EditorWorkspace:
 
 
 def _is_of_syntax(finding: EditorFinding) -> bool:
-    """Return whether a finding is a mistake in a line or a module block of a `.mars` text."""
+    """Whether a finding is about the syntax of a line or block of a `.mars` file."""
     is_mistake = finding.code == "syntax" or finding.code.startswith("MARS1")
     return is_mistake and is_configuration(finding.place.path)
 

@@ -21,7 +21,7 @@ _VALUE = rf"{_MEASURE}|{BARE}|{QUOTED}"
 
 @dataclass(frozen=True, slots=True)
 class Attribute:
-    """A tag or a property; `value` is as it is written, quotes included, `None` for a tag."""
+    """A tag or property; `value` is as written, with quotes, and None for a tag."""
 
     name: str
     span: Span
@@ -29,7 +29,7 @@ class Attribute:
 
     @property
     def word(self) -> str:
-        """Return the word of its annotation."""
+        """Return the keyword of the annotation: `Tag` or `Property`."""
         return TAG if self.value is None else PROPERTY
 
 
@@ -67,7 +67,7 @@ def read_attribute(word: str, text: str) -> tuple[str, str | None] | Problem:
 
 
 def read_measure(value: str) -> tuple[str, str] | None:
-    """Return the number and the unit, empty without one, that a value writes, if it writes any."""
+    """Return number and unit ("" if none) of a value such as `60 ms`, or None for other values."""
     match = re.fullmatch(_MEASURE, value)
     return None if match is None else (match[1], match[2] or "")
 

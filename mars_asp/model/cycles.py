@@ -8,18 +8,18 @@ Edge: TypeAlias = tuple[str, str, int]
 
 
 class Knot(NamedTuple):
-    """A strongly connected part of a graph: its nodes, sorted, and one of its shortest cycles."""
+    """A strongly connected component: its nodes, sorted, and the edges of a shortest cycle."""
 
     nodes: tuple[str, ...]
     walk: tuple[Edge, ...]
 
 
 def knots(edges: Iterable[Edge]) -> tuple[Knot, ...]:
-    """Return the strongly connected parts of a graph that have a cycle.
+    """Return the strongly connected components that contain a cycle.
 
-    An edge is (start, end, identifier). A walk begins at its least name; of equally short ones
-    the least is taken, so the order of the edges does not matter. Parts with more than
-    `_EXACT` nodes give a short cycle found from their least nodes alone, to keep the time linear.
+    An edge is (start, end, identifier). A cycle begins at its first node by name; of equally short
+    ones the first by name is taken. In components of more than `_EXACT` nodes only a short cycle is
+    found, to keep the time linear.
     """
     best: dict[tuple[str, str], int] = {}
     for start, end, number in edges:
@@ -50,7 +50,10 @@ _EXACT = 400
 
 
 def _shortest_cycle(part: list[str], successors: dict[str, list[str]]) -> tuple[str, ...]:
-    """Return the shortest cycle that a search from each node, in name order, finds."""
+    """Return the shortest of the cycles found by searches from nodes, () without any.
+
+    In a large component, searches begin only at the first nodes.
+    """
     inside = set(part)
     best: tuple[str, ...] = ()
     # Each search may walk the whole part: the larger it is, the fewer there are.

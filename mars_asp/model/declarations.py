@@ -162,9 +162,9 @@ TAKING: Mapping[str | None, slice] = {None: slice(1), "root": slice(-1, None), "
 class Control:
     """`controlled is_controlled_by controller priority hold allocation`, one for each controller.
 
-    `allocation` selects the provider of an inherited function; `None` is the nearest.
-    `listed` is whether the priority is the controller's place in a list, not a number; `topic` is
-    the name under which a middleware carries the commands, where one does.
+    `allocation` selects the provider of an inherited function; `None` is the nearest. `listed` is
+    whether the priority is the controller's place in a list, not a number; `topic` is the ROS topic
+    of the commands in an imported robot.
     """
 
     controlled: str
@@ -200,10 +200,10 @@ FOREIGN = ("urdf", "twist_mux", "rosgraph", "dora", "ros2")
 
 @dataclass(frozen=True, slots=True)
 class Inner:
-    """A mux whose output is an input of another, which ranks it at `priority`.
+    """A mux inside a cascade: its output is an input of another mux, which ranks it at `priority`.
 
-    `numbers` are the priorities of its own inputs in the configuration, each with the one written;
-    `name` is its own name, `topic` the input.
+    `numbers` are pairs of an input's priority in the configuration and as written; `name` is its
+    own name, `topic` the input.
     """
 
     span: Span
@@ -216,7 +216,7 @@ class Inner:
 
 @dataclass(frozen=True, slots=True)
 class Muxed:
-    """A mux of an imported robot on the commands for `module`, with its inner muxes.
+    """A mux of an imported robot that ranks the commands for `module`, with its inner muxes.
 
     `numbers` are as in `Inner`, empty if the configuration has the original priorities.
     `name` is its own name, `topic` its output.
@@ -232,7 +232,7 @@ class Muxed:
 
 
 def ends_of(relationship: Relationship) -> tuple[str, str]:
-    """Return the modules that a relationship names, the left one first."""
+    """Return the two modules of a relationship, the left one first."""
     match relationship:
         case Data(client, source):
             return client, source
@@ -300,7 +300,7 @@ class PackNode:
 
 @dataclass(frozen=True, slots=True)
 class MissingFile:
-    """A file that a key of a node names and that is not there; `builds` as the node may make it."""
+    """A missing file that a key of a node names; `builds` is whether the node may build it."""
 
     module: str
     key: str
@@ -348,7 +348,7 @@ class Configuration:
     missing: tuple[MissingFile, ...] = ()
 
     def with_declared(self, modules: Mapping[str, Module]) -> dict[str, Module]:
-        """Return modules by name together with the declared ones, which take precedence."""
+        """Return `modules` and the declared modules by name; the latter have precedence."""
         return {**modules, **{module.name: module for module in self.declared}}
 
     def node_kind(self, name: str) -> str | None:
@@ -357,7 +357,7 @@ class Configuration:
         return node_kind(name) or (None if brought is None else brought.kind)
 
     def pack_kind(self, name: str) -> PackKind | None:
-        """Return the kind, of those that packs bring, of which a node has a name, if any has."""
+        """Return the pack's kind of the node with a name, or None if it is not of a pack."""
         stem = name.rstrip("0123456789")
         number = name.removeprefix(stem)
         if not number or number.startswith("0"):
@@ -392,6 +392,6 @@ def node_kind(name: str) -> NodeKind | None:
 
 
 def node_names(kinds: Iterable[PackKind]) -> Mapping[str, str]:
-    """Return how nodes are named, by their kinds, those of packs among them."""
+    """Return the names (such as `DataSplitter`) of nodes by their kinds, also of packs."""
     names: dict[str, str] = dict(NODE_NAMES.items())
     return names | {each.kind: each.name for each in kinds}

@@ -43,12 +43,12 @@ def described_modules(
 
 
 def module_classes(module: Module) -> Iterator[str]:
-    """Yield the classes that a module's annotations make it, in the order of `cli.md`."""
+    """Yield the classes of a module, such as `sensor`, that follow from its annotations."""
     return iter(annotated_classes(module))
 
 
 def annotated_classes(module: Module) -> dict[str, Span]:
-    """Return those classes with the first annotation that makes the module each of them."""
+    """Return the classes of a module, each with the first annotation that implies it."""
     found: dict[str, Span] = {}
     for service in module.services:
         found.setdefault(_OF_SERVICE[service.kind], service.span)

@@ -10,7 +10,7 @@ from mars_asp.model.declarations import Engine, Hold, Inner
 
 @dataclass(frozen=True, slots=True)
 class Endpoint:
-    """An end of a topic at a node.
+    """A publisher or subscriber of a topic at a node.
 
     `topic` is its full name, all renaming done; `type` is the message type as written, if known;
     `span` is the place that an owner would change; `hz` is how often it is published, if known;
@@ -84,9 +84,9 @@ class MuxInput:
 
 @dataclass(frozen=True, slots=True)
 class Mux:
-    """A node that hands on, of several topics, the one with the highest priority to `output`.
+    """A node that forwards, to `output`, the messages of the input with the highest priority.
 
-    `numbers` and `inner` are those of a cascade that became one mux, as `Muxed` has them.
+    `numbers` and `inner` describe a cascade that was merged into one mux, as in `Muxed`.
     """
 
     name: str
@@ -102,7 +102,7 @@ class Mux:
 
 @dataclass(frozen=True, slots=True)
 class Relay:
-    """A node that hands on all of one topic to another, or with `hz` at most so many a second."""
+    """A node that forwards the messages of one topic to another; `hz` is the maximal rate."""
 
     name: str
     span: Span
@@ -114,10 +114,10 @@ class Relay:
 
 @dataclass(frozen=True, slots=True)
 class Graph:
-    """Nodes, muxes, relays and how they are wired; neither muxes nor relays are among the nodes.
+    """The nodes, muxes and relays of a robot; the latter two are not among the nodes.
 
-    `observed` is whether it is all of a robot that ran, so that a topic without a subscriber is
-    loose; elsewhere the base may subscribe, which is not a node.
+    `observed` is whether it was recorded in a run. Then a topic without a subscriber is
+    unconnected; otherwise the base, which is not a node, may subscribe.
     """
 
     path: str
@@ -135,9 +135,9 @@ OPEN_BRANCH = "the branch taken at "
 
 @dataclass(frozen=True, slots=True)
 class StartCondition:
-    """A test of a launch argument or variable: that it has a value or, if not `wanted`, has not.
+    """A test of a launch argument or variable: it equals `value` or, if not `wanted`, does not.
 
-    Where the condition was not read, `variable` is its text, and `reads` are the variables in it.
+    If the condition could not be read, `variable` is its text, and `reads` are the variables in it.
     """
 
     variable: str
@@ -149,7 +149,7 @@ class StartCondition:
 
 @dataclass(frozen=True, slots=True)
 class Renaming:
-    """A topic of a node that a launch file renames, by its full names before and after."""
+    """A topic that a launch file renames: its full names before and after."""
 
     source: str
     target: str
@@ -158,14 +158,14 @@ class Renaming:
 
 @dataclass(frozen=True, slots=True)
 class AbsentFile:
-    """Something that is named and that its package lacks, by its sort.
+    """A file, program, function or argument that is used but missing in its package.
 
     It is a file or program that a launch file names, a file that the package has and does not
     install, the function of a console script, or all programs of a package whose `setup.cfg` does
     not set where they are installed; the name is then that of the package. Of an argument that is
     passed to a launch file, `package` is that file, and of a parameter it is the program. ROS 1
-    refuses an argument that is not declared, and ROS 2 passes over it. An undeclared argument
-    is one that a launch file of ROS 1, the `package`, reads.
+    refuses an argument that is not declared, and ROS 2 passes over it. An undeclared argument is
+    one that a launch file of ROS 1, the `package`, reads.
     """
 
     name: str

@@ -13,7 +13,7 @@ _DISTANCES = {("NotifyOnValue", 1): "a tolerance", ("NotifyOnChange", 0): "a lea
 
 
 def parse_mode(text: str) -> Mode | Problem:
-    """Read one mode, such as `NotifyOnValue(30, 0.5)` or `NotifyOnMin(300, of=nearest)`."""
+    """Return the mode in a text such as `NotifyOnValue(30, 0.5)`, or the error in it."""
     match = _MODE.fullmatch(text)
     if match is None:
         return Problem(f"`{text.strip()}` is not a delivery mode", _expected(text))
@@ -49,7 +49,7 @@ def parse_mode(text: str) -> Mode | Problem:
 
 
 def _mode_argument(text: str, name: str, position: int) -> Decimal | Problem:
-    """Return an argument of a mode, or the error in it."""
+    """Return argument `position` of the mode `name` as a number, or the error in it."""
     number = ARGUMENT.read(text)
     if isinstance(number, Problem):
         if not re.match(r"[-+]?\.?[0-9]", text):

@@ -23,7 +23,7 @@ _ESCAPED = re.compile(r"\\(.)")
 
 
 def written(name: str) -> str:
-    """Return a name as a configuration writes it."""
+    """Return a name as configurations write it, in quotes if necessary."""
     if _BARE.fullmatch(name) and not _NUMBER.fullmatch(name):
         return name
     return quoted(name)
@@ -36,17 +36,17 @@ def quoted(name: str) -> str:
 
 
 def read_name(text: str) -> str | None:
-    """Return the name that a text writes, or None if it writes none."""
+    """Return the name that a text denotes, without quotes, or None if it is not a name."""
     return plain(text) if _NAME.fullmatch(text) else None
 
 
 def end(name: str, port: str | None) -> str:
-    """Return a module, and a port of it if there is one, as a configuration writes them."""
+    """Return `MODULE` or `MODULE.PORT`, quoted as a configuration writes it."""
     return written(name) if port is None else f"{written(name)}.{written(port)}"
 
 
 def read_end(text: str) -> tuple[str, str | None] | None:
-    """Return the module and the port that a text writes, or None if it writes none."""
+    """Return module and port (None without one) of a text, or None if it is neither."""
     match = _END.fullmatch(text)
     if match is None:
         return None
@@ -54,5 +54,5 @@ def read_end(text: str) -> tuple[str, str | None] | None:
 
 
 def plain(text: str) -> str:
-    """Return the name that a word of a configuration writes."""
+    """Return a name without its quotes and escapes; a name without quotes is unchanged."""
     return _ESCAPED.sub(r"\1", text[1:-1]) if text.startswith('"') else text

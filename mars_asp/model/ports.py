@@ -20,7 +20,7 @@ _POSITIONAL = re.compile(r"input([1-9][0-9]{0,8})")
 
 
 class Parameter(NamedTuple):
-    """A parameter of a function: the number of its service, and its index there."""
+    """A parameter of a function: the index of its service in the module, and its index there."""
 
     service: int
     place: int
@@ -34,7 +34,7 @@ class Input(NamedTuple):
 
 
 def outputs(module: Module) -> dict[str, int]:
-    """Return the numbers of the services that deliver data, by the names of their outputs."""
+    """Return the name of each output with the index of the service that delivers it."""
     delivering = [n for n, each in enumerate(module.services) if each.kind in DELIVERING]
     services = (module.services[number] for number in delivering)
     names = (each.port or each.function or each.output or "output" for each in services)
@@ -69,26 +69,26 @@ def inputs(module: Module) -> dict[str, Input]:
 
 
 def parameter_names(service: Service) -> Iterator[str]:
-    """Yield how each input of a service is called."""
+    """Yield the name of each input of a service: of the parameter, else the representation."""
     for index, representation in enumerate(service.inputs):
         named = service.parameters[index] if index < len(service.parameters) else None
         yield named or representation or f"input{index}"
 
 
 def input_position(port: str) -> int | None:
-    """Return the position that a name such as `input2` states, or None if it is none."""
+    """Return the number in a name such as `input2`, or None for another name."""
     found = _POSITIONAL.fullmatch(port)
     return None if found is None else int(found[1])
 
 
 def free_positions(ports: Iterable[str | None]) -> Iterator[int]:
-    """Yield the positions, from 1, of lines without a port: those that no port of others states."""
+    """Yield the positions, from 1, that no port such as `input2` of a line states."""
     taken = {input_position(port) for port in ports if port is not None}
     return (number for number in count(1) if number not in taken)
 
 
 def _unique_names(names: Iterable[str]) -> Iterator[str]:
-    """Yield names, each that came before with its number."""
+    """Yield names, where the n-th repetition is `NAME#n`."""
     seen: Counter[str] = Counter()
     for name in names:
         seen[name] += 1

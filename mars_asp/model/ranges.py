@@ -44,7 +44,7 @@ class NumberRange(NamedTuple):
     above: bool = False
 
     def read(self, text: str) -> Decimal | Problem:
-        """Return the number in a text, or the error in it."""
+        """Return the number in a text, or the error if it is invalid or out of range."""
         fault = self._fault(text)
         # Zero has no sign.
         return Decimal(text) + 0 if fault is None else Problem(fault, self.help)
@@ -118,7 +118,7 @@ ARGUMENT = NumberRange(
 
 
 def _shortened(text: str) -> str:
-    """Return a text, of a long one its beginning and how long it is."""
+    """Return a text, or the beginning of a long one with its length."""
     if len(text) <= _MOST_SHOWN:
         return text
     return f"{text[: _MOST_SHOWN // 2]}... ({len(text)} characters)"

@@ -44,13 +44,13 @@ def read_frequency(text: str) -> Rate | Problem:
 
 
 def every(period: Decimal | int, unit: str) -> Rate:
-    """Return the rate of one message each period, which is more than zero, in `ms` or `s`."""
+    """Return the rate of one message per period, which is above 0, in `ms` or `s`."""
     words = f"every {_decimal_text(Fraction(period))} {unit}"
     return Rate(Fraction(1000) / (Fraction(period) * _UNITS[unit]), words)
 
 
 def as_written(hz: Fraction) -> str:
-    """Return how a rate is written: as decimals, or as the period where these would not end."""
+    """Return a rate as text: as a decimal number, or as a period if that is not finite."""
     if isinstance(hz, Rate) and hasattr(hz, "written"):
         return hz.written
     if _is_decimal(hz):
@@ -62,12 +62,12 @@ def as_written(hz: Fraction) -> str:
 
 
 def as_number(hz: Fraction) -> int | float:
-    """Return a rate as JSON has it: whole where it is whole, else the nearest float."""
+    """Return a rate for JSON: an integer if it is whole, else the nearest float."""
     return int(hz) if hz.denominator == 1 else float(hz)
 
 
 def _is_decimal(number: Fraction) -> bool:
-    """Whether the decimals of a number end."""
+    """Whether a number has finitely many decimals."""
     rest = number.denominator
     for prime in (2, 5):
         while rest % prime == 0:
@@ -76,7 +76,7 @@ def _is_decimal(number: Fraction) -> bool:
 
 
 def _decimal_text(number: Fraction) -> str:
-    """Return a number whose decimals end, without an exponent."""
+    """Return a number with finitely many decimals as text, without an exponent."""
     whole, rest = divmod(abs(number), 1)
     sign = "-" if number < 0 else ""
     digits = ""

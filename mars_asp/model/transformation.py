@@ -12,10 +12,10 @@ _MOST_SLOTS = 7
 
 
 def read_transformation(slots: Sequence[str]) -> Transformation | tuple[Problem, ...]:
-    """Read the slots of a tuple, or return all that is wrong with them.
+    """Return the transformation in the slots of a tuple, or all errors in them.
 
-    The last three slots are always the translation. Of an odd number before them one, the last
-    or the first, must be `_`.
+    The last three slots are the translation. If an odd number of slots precedes them, the last or
+    first of these must be `_`.
     """
     if not 3 <= len(slots) <= _MOST_SLOTS:
         return (
@@ -62,10 +62,10 @@ def read_transformation(slots: Sequence[str]) -> Transformation | tuple[Problem,
 
 
 def normalized(transformation: Transformation) -> Transformation:
-    """Return the same pose, stated as all that state it by the same axes are.
+    """Return an equal transformation in a unique form.
 
-    Turns are above -180 and at most 180 degrees; none of 0 is left, and no two in a row are about
-    one axis.
+    Turns are above -180 and at most 180 degrees. None is 0, and no two consecutive ones share an
+    axis.
     """
     turns: list[tuple[str, Decimal]] = []
     for axis, degrees in transformation.rotations:

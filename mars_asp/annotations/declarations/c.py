@@ -150,7 +150,8 @@ def _bracketed(
 ) -> SourceDeclaration | None:
     """Return the function whose first bracket is at `at`: of its parameters or its declarator.
 
-    `head` are the tokens before it, `offset` is the begin. It is None if it is no function.
+    `head` are the tokens before it, `offset` is the begin. The result is None if this is other
+    code.
     """
     end = closing(tokens, at)
     inside = tokens[at + 1 : end - 1]
@@ -205,7 +206,7 @@ def _opens_arguments(tokens: Sequence[SourceToken], at: int) -> bool:
 def _read_function(
     tokens: Sequence[SourceToken], head: Sequence[SourceToken], at: int, offset: int
 ) -> SourceDeclaration | None:
-    """Return the function whose parameters begin at `at`; None for other code."""
+    """Return the function whose parameters begin at `at`, or None if this is other code."""
     parts = units(head)
     if not parts or parts[-1].kind != "name":
         return None

@@ -107,18 +107,18 @@ class Frame:
 
     @cached_property
     def held(self) -> tuple[tuple[float, float, str], ...]:
-        """Return begin, end (s) and module of each period in which a robot obeyed a module."""
+        """Return begin, end (seconds) and module of each period in which a robot obeyed one."""
         return tuple(span for robot in self.trial.scenario.robots for span in self.held_by(robot))
 
     def held_by(self, robot: ScenarioRobot) -> Iterator[tuple[float, float, str]]:
-        """Yield begin, end (s) and module of each period in which one robot obeyed a module."""
+        """Yield begin, end (seconds) and module of each period in which one robot obeyed one."""
         for since, until, name, _ in self.trial.commands(robot):
             if name:
                 yield since, until, name
 
     @cached_property
     def wanted(self) -> tuple[tuple[float, float, str], ...]:
-        """Return begin, end (s) and module of each message that was in force at an arbiter."""
+        """Return begin, end and module of each period (seconds) in which a message was in force."""
         executor = self.trial.executor
         end = executor.schedule.now
         return tuple(

@@ -38,7 +38,8 @@ class Contact(NamedTuple):
 class Goal(NamedTuple):
     """The goal of a robot: a circle (mm), and whether it was reached.
 
-    If it was reached (`there`), `when` is the time (s), else that of the minimal `distance` (mm).
+    If it was reached (`there`), `when` is the time in seconds, else that of the minimal `distance`
+    (mm).
     """
 
     body: Body

@@ -44,7 +44,7 @@ class Functions:
     problems: list[Diagnostic] = field(default_factory=list)
 
     def behaviour(self, name: str, path: Path, called: str) -> Behaviour | None:
-        """Return the behaviour by a function or class of a file, or None with a new problem."""
+        """Return the behaviour by a function or class of a file, or None and a new problem."""
         declared = self.scenario.bindings.get(name, {})
         shown = f"{normpath(path)}:{called}"
         try:

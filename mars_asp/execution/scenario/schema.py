@@ -129,13 +129,13 @@ def _unknown_key(
 
 
 def _schema(path: _Path, tables: Mapping[str, Any]) -> _Schema:
-    """Return the schema of the value at a path; for a table, that of its stated kind."""
+    """Return the schema of the value at a path; tables have that of their stated kind."""
     schema = _plain_schema(path, tables)
     return _of_kind(schema, _value_at(path, tables)) if "oneOf" in schema else schema
 
 
 def _plain_schema(path: _Path, tables: Mapping[str, Any]) -> _Schema:
-    """Return the schema of the value at a path; for a table, with all its kinds."""
+    """Return the schema of the value at a path; tables have one with all their kinds."""
     schema = _whole_schema(tables)
     for count, part in enumerate(path, 1):
         if "oneOf" in schema:

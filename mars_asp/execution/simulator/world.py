@@ -175,7 +175,7 @@ class World:
         return best
 
     def horizon(self, point: Point, seconds: float, speed: float) -> float:
-        """Return for how many seconds `gaps` is valid, for a motion from `point` at up to `speed`.
+        """Return how many seconds `gaps` is valid if a point moves at up to `speed` from now on.
 
         Until then, moving circles keep their direction and no further obstacle comes near.
         """

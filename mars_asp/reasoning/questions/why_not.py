@@ -77,6 +77,10 @@ class WhyNot:
     the additional cost, by level, of the cheapest specification with the atom `offered`. It is None
     if none has such an atom, or if the atom is not chosen; `choosable` distinguishes these.
     `obstacles` are the traces of the errors that prevent every specification.
+
+    >>> reasoner = Reasoner(load_project("examples/level0/config.mars"))
+    >>> why_not(reasoner, "DataSplitter(Turn)").present
+    False
     """
 
     __repr__ = brief_repr
@@ -109,6 +113,10 @@ def why_not(reasoner: Reasoner, subject: str, depth: int = 8) -> WhyNot:
     Raises:
         MarsError: the subject names no predicate, kind, node or constant that there is.
         TimeoutError: no specification was found in time.
+
+    >>> reasoner = Reasoner(load_project("examples/level0/config.mars"))
+    >>> why_not(reasoner, "DataSplitter(Turn)").to_get
+    'two lines `... uses_data_from Turn`...'
     """
     subject = spaced_subjects(subject, reasoner.rulebook)[-1]
     vocabulary = Vocabulary(reasoner)
