@@ -467,12 +467,16 @@ def test_an_invalid_baseline_is_refused(
 
 
 @pytest.mark.parametrize("verb", ["check", "analyse"])
-def test_a_baseline_is_either_read_or_written(verb: str, folder: Path, capsys: Captured) -> None:
-    for old in ("old.json", "new.json"):
-        words = [verb, "a.mars", "--baseline", old, "--write-baseline", "new.json"]
-        assert run_here(words) == 2
-        assert "--write-baseline lists all findings" in capsys.readouterr().err
-        assert not (folder / "new.json").exists()
+def test_a_baseline_is_read_or_written_or_renewed(
+    verb: str, folder: Path, capsys: Captured
+) -> None:
+    words = [verb, "a.mars", "--write-baseline", "new.json", "--baseline"]
+    assert run_here([*words, "old.json"]) == 2
+    assert "--write-baseline lists all findings" in capsys.readouterr().err
+    assert not (folder / "new.json").exists()
+    for _ in range(2):
+        assert run_here([*words, "new.json"]) == 0
+    assert (folder / "new.json").exists()
 
 
 def test_no_baseline_is_written_if_a_file_cannot_be_read(folder: Path, capsys: Captured) -> None:
