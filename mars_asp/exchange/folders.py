@@ -30,7 +30,7 @@ _OF_NODES = key_pattern("inputs|outputs|path|custom|operators?|ros2|module|hub|g
 _OF_DORA = key_pattern("inputs|outputs|custom|operators?")
 #: Other YAML files have lists of topics as well.
 _OF_MUX = key_pattern("priority")
-_LAUNCH = (
+LAUNCH_ENDINGS = (
     ".launch",
     *(f"{mark}launch.{end}" for mark in "._" for end in ("py", "xml", "yaml", "yml")),
 )
@@ -72,7 +72,7 @@ def robots_in(folder: Path, is_excluded: IsExcluded = nothing_excluded) -> Folde
     """
     unread: list[Unread] = []
     entries = list(_entries(folder, is_excluded, unread))
-    launches = [path for _, path in entries if path.name.endswith(_LAUNCH)]
+    launches = [path for _, path in entries if path.name.endswith(LAUNCH_ENDINGS)]
     packages = [path.parent for _, path in entries if path.name == "package.xml"]
     ros = _ros_in(folder, packages, launches, unread)
     found = [path for _, path in entries if path.suffix == ".mars"]

@@ -3,7 +3,7 @@
 import re
 from bisect import bisect_left
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
@@ -232,17 +232,14 @@ class CppCode:
             if at >= 2 and self.tokens[at - 1].text in ("(", "{")
         }
 
-    def bodies_at(self, at: int) -> Iterator[CppBody]:
-        """Yield the functions whose parameters or body contain a token, the innermost first."""
-        return self._nested_bodies.around(at)
+    @cached_property
+    def bodies_at(self) -> "Callable[[int], Iterator[CppBody]]":
+        """The functions whose parameters or body contain a token, the innermost first."""
+        return Nested([(body.opening, body.end, body) for body in self.bodies]).around
 
     def class_at(self, at: int) -> str:
         """Return the class around a token, or an empty text if there is none."""
         return next(self._classes.around(at), "")
-
-    @cached_property
-    def _nested_bodies(self) -> "Nested[CppBody]":
-        return Nested([(body.opening, body.end, body) for body in self.bodies])
 
     def class_of(self, body: CppBody) -> str:
         """Return the class of a function, or an empty text if it has none."""
@@ -252,13 +249,9 @@ class CppCode:
             return text_at(self.tokens, before - 1)
         return self.class_at(body.opening)
 
-    def tests_at(self, at: int) -> Iterator[tuple[int, int, bool]]:
-        """Yield the conditions around a token: (begin, end, whether it holds at the token)."""
-        return self._branches.around(at)
-
     @cached_property
-    def _branches(self) -> "Nested[tuple[int, int, bool]]":
-        """The branches of `if`: (begin and end of the condition, whether it holds there)."""
+    def tests_at(self) -> "Callable[[int], Iterator[tuple[int, int, bool]]]":
+        """The conditions around a token: (begin, end, whether it holds at the token)."""
         found: list[tuple[int, int, tuple[int, int, bool]]] = []
         for at in self.token_places("if"):
             if text_at(self.tokens, at + 1) != "(":
@@ -269,7 +262,7 @@ class CppCode:
             if text_at(self.tokens, end) == "else":
                 otherwise = self._statement_end(end + 1)
                 found.append((end, otherwise, (at + 2, last - 1, False)))
-        return Nested(sorted(found))
+        return Nested(sorted(found)).around
 
     def _statement_end(self, at: int) -> int:
         """Return the index after a statement, or of its first `if`."""

@@ -104,10 +104,6 @@ class Local:
 class NoneValue:
     """The constant `None` of a launch file, whereas Python's None is an unknown value."""
 
-    def __bool__(self) -> bool:
-        """Return false."""
-        return False
-
 
 @dataclass(frozen=True, slots=True)
 class LaunchClass:

@@ -10,7 +10,12 @@ from itertools import chain, takewhile
 from pathlib import Path
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, whole_file
-from mars_asp.exchange.folders import IGNORE_MARKERS, IsExcluded, nothing_excluded
+from mars_asp.exchange.folders import (
+    IGNORE_MARKERS,
+    LAUNCH_ENDINGS,
+    IsExcluded,
+    nothing_excluded,
+)
 from mars_asp.exchange.graph import joined, united
 from mars_asp.exchange.recognise import is_launch, recognised
 from mars_asp.exchange.ros2.bridges import FILE, bridged, is_bridge
@@ -68,7 +73,6 @@ from mars_asp.model.graph import (
 from mars_asp.output import counted
 from mars_asp.spelling import nearest
 
-_LAUNCH = re.compile(r".*(?:[._]launch\.(?:py|xml|ya?ml)|\.launch)$")
 #: A node of a launch file of ROS 1; in ROS 2 `type` is `exec`.
 _TYPE = re.compile(r"<node\b[^>]*\btype\s*=")
 #: The start of a script, which may be named like a launch file of another format.
@@ -238,15 +242,10 @@ def _holds(folder: Path, inner: Path) -> bool:
         return False
 
 
-def _once(unread: Iterable[Unread]) -> Iterator[Unread]:
-    """Yield skipped contents without duplicates: files by name, others by name and location."""
-    seen: set[tuple[object, ...]] = set()
-    for each in unread:
-        is_file = "files" in each.sort
-        key = (each.sort, each.name) if is_file else (each.sort, each.name, each.span)
-        if key not in seen:
-            seen.add(key)
-            yield each
+def _once(unread: Iterable[Unread]) -> Iterable[Unread]:
+    """Return skipped contents without duplicates: files by name, others by name and location."""
+    every = reversed(tuple(unread))
+    return {(e.sort, e.name, "files" in e.sort or e.span): e for e in every}.values()
 
 
 class _WorkspaceRobot:
@@ -545,7 +544,7 @@ class _WorkspaceRobot:
 
     def _is_launch(self, file: Path) -> bool:
         """Whether a file is a launch file, by its name or folder, and by its text."""
-        is_named = _LAUNCH.match(file.name) is not None
+        is_named = file.name.endswith(LAUNCH_ENDINGS)
         if not is_named and not (file.suffix in _IN_FOLDER and "launch" in file.parent.parts[-2:]):
             return False
         try:

@@ -415,9 +415,8 @@ class _CppFile(ScopedCode):
                 yield hz, ranges
             elif call.arguments:
                 number = number_in(joined(call.arguments[0]))
-                around = [b for b in self.bodies if b.begin < call.at < b.end]
-                if number and around:
-                    inner = max(around, key=lambda body: body.begin)
+                inner = next((b for b in self.bodies_at(call.at) if b.begin < call.at), None)
+                if number and inner is not None:
                     yield number, [(inner.begin, inner.end)]
 
     def _publishing(self, ranges: Iterable[tuple[int, int]]) -> Iterator[str]:

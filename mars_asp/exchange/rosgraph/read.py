@@ -1,6 +1,6 @@
 """Dumps of a graph as a configuration: nodes as modules, topics as their ports."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
@@ -68,8 +68,8 @@ def import_rosgraph(files: Sequence[tuple[str, str]]) -> Parsed:
     configuration, further = configuration_of(joined((graph, bound)))
     if not configuration.modules:
         raise MarsError((_empty(files[0][1]),))
-    entries = (*warnings, *notes(_each_once((*unread, *further))))
-    return Parsed(configuration, entries)
+    first = {(each.sort, each.name): each for each in reversed((*unread, *further))}
+    return Parsed(configuration, (*warnings, *notes(first.values())))
 
 
 def _empty(path: str) -> Diagnostic:
@@ -84,15 +84,6 @@ def _unknown(path: str) -> Diagnostic:
         "give one of ROSDiscover, CARET, rqt_graph (.dot), `ros2 node info` or `ros2 topic info -v`"
     )
     return Diagnostic("rosgraph", "error", message, whole_file(path), help=help_text)
-
-
-def _each_once(unread: Iterable[Unread]) -> Iterator[Unread]:
-    """Yield the skipped contents without duplicates, each at its first location."""
-    seen: set[tuple[str, str]] = set()
-    for each in unread:
-        if (each.sort, each.name) not in seen:
-            seen.add((each.sort, each.name))
-            yield each
 
 
 # ---- Muxes with parameter files ------------------------------------------------------------------
