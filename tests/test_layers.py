@@ -40,7 +40,7 @@ FILES = {
         "recursion joins predicates copies messages roles arithmetic names allow"
     ),
     "asp/trace": (
-        "firings scope sentences tree counted counting_rules given heights "
+        "firings sentences tree counted counting_rules given heights "
         "literal_order patterns premise_order dominators firing_rules text document "
         "near_misses conflicts proofs explainer absence"
     ),
@@ -227,15 +227,8 @@ def test_tests_of_the_engine_use_no_robot() -> None:
     assert wrong + found == []
 
 
-#: Who walks clingo's trees: the reader of rules, and those who write further rules from them.
-TREES = [
-    *("asp/cases/killers.py", "asp/cases/mutants.py", "asp/cases/probes.py"),
-    "asp/rules/computed.py",
-    *("asp/rules/statements.py", "asp/rules/trees.py"),
-    "asp/trace/counting_rules.py",
-    *("asp/trace/firing_rules.py", "asp/trace/literal_order.py", "asp/trace/near_misses.py"),
-    *("asp/trace/patterns.py", "asp/trace/scope.py"),
-]
+#: The files that touch clingo's trees: their values, and the reader of rules.
+TREES = ["asp/rules/statements.py", "asp/rules/trees.py"]
 
 
 def test_one_place_reads_rules() -> None:

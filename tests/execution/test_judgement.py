@@ -69,7 +69,7 @@ def test_a_violation_is_explained_down_to_the_lines_that_require_it(tmp_path: Pa
 def test_the_run_rules_have_checked_messages_and_a_requirement_each() -> None:
     book = load_rulebook(stages=("run",), strict=True)
     kinds = {
-        str(rule.ast.head.atom.symbol.arguments[0])
+        str(rule.node.head.atom.symbol.arguments[0])
         for rule in book.rules
         if rule.stage == "run" and rule.text.startswith("consequence(")
     }

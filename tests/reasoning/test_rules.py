@@ -239,5 +239,5 @@ def test_rules_of_a_table_are_those_that_were_read(tables: Path) -> None:
     assert held.rules[0] is not read.rules[0]
     assert [rule.heads for rule in held.rules] == [rule.heads for rule in read.rules]
     assert [rule.firsts for rule in held.rules] == [rule.firsts for rule in read.rules]
-    assert str(held.rules[-1].ast) == str(read.rules[-1].ast)
+    assert str(held.rules[-1].node) == str(read.rules[-1].node)
     assert dict(cache.tables()).keys() == made.keys()

@@ -40,7 +40,7 @@ def covered(rulebook: Rulebook, rules: Sequence[Rule]) -> Coverage:
     """Run all cases at once with probes beside the rules."""
     found = [tried(each, rulebook) for each in CASES]
     numbers = {rule: number for number, rule in enumerate(rulebook.rules)}
-    at = {numbers[rule]: n for n, rule in enumerate(rule for rule in rules if rule.ast.body)}
+    at = {numbers[rule]: n for n, rule in enumerate(rule for rule in rules if rule.node.body)}
     held = {(name, at[number]) for name, number in _firings(rulebook) if number in at}
     return coverage.covered(rules, rulebook, found, Measure(lambda *_: held, _refusing))
 
@@ -86,7 +86,7 @@ def _firings(rulebook: Rulebook) -> Mapping[tuple[str, int], Sequence[Path]]:
     stages = {"base", *chain.from_iterable(map(stages_of, CASES))}
     for number, rule in enumerate(rulebook.rules):
         if rule.stage in stages:
-            bodies = probed(rule) if rule.ast.body else [(FIRED, [])]
+            bodies = probed(rule) if rule.node.body else [(FIRED, [])]
             texts = each_together(bodies, number)
             probes.setdefault(rule.stage, []).extend(((name, number), text) for name, text in texts)
     firings: dict[tuple[str, int], list[Path]] = {}

@@ -14,6 +14,7 @@ import clingo
 from clingo import ast
 
 from mars_asp.asp.contained import Lost, ask
+from mars_asp.asp.rules.trees import SyntaxNode
 from mars_asp.asp.signature import Signature
 
 _Read = TypeVar("_Read")
@@ -45,15 +46,15 @@ def together(rules: str) -> str:
 
 
 def each_together(
-    bodies: Iterable[tuple[str, Sequence[ast.AST]]], number: int
+    bodies: Iterable[tuple[str, Sequence[SyntaxNode]]], number: int
 ) -> Iterator[tuple[str, str]]:
     """Yield rules that derive atoms of a number in each case where their bodies hold."""
-    shown: dict[int, tuple[ast.AST, str]] = {}
+    shown: dict[int, tuple[SyntaxNode, str]] = {}
     for name, body in bodies:
         for literal in body:
             if id(literal) not in shown:
                 # It is kept, so that its number stays its own.
-                shown[id(literal)] = literal, str(_FIRST(literal))
+                shown[id(literal)] = literal, str(_FIRST(literal.tree))
         premises = [*(shown[id(literal)][1] for literal in body), str(_call("case_", _CASE))]
         yield name, f"{name}({_CASE},{number}) :- {'; '.join(premises)}."
 

@@ -13,6 +13,7 @@ import clingo
 from clingo import ast
 
 from mars_asp.asp.rules.rule import Rule
+from mars_asp.asp.rules.statements import tree
 from mars_asp.asp.trace import Absent, Derived, Given, NearMiss, Trace, Underivable
 
 Values = Mapping[str, clingo.Symbol]
@@ -83,17 +84,17 @@ def _need(atom: ast.AST) -> str:
     return "none" if all(c in down for c in left) and all(c in up for c in right) else "all"
 
 
-def _heads(rule: "Rule | _Unpooled") -> Iterator[tuple[ast.AST, Sequence[ast.AST]]]:
+def _heads(rule: ast.AST) -> Iterator[tuple[ast.AST, Sequence[ast.AST]]]:
     """Yield each literal that a head can derive, with its conditions.
 
     Variables of elements in the head and in the body are different, even with equal names.
     """
-    head = rule.ast.head
+    head = rule.head
     if head.ast_type == _TYPE.Literal:
         yield head, ()
-    outside = {name for literal in rule.ast.body for name in _names(_outside(literal))}
+    outside = {name for literal in rule.body for name in _names(_outside(literal))}
     outside |= {name for guard in _guards(head) for name in _names(guard)}
-    inside = {name for literal in rule.ast.body for name in _names(str(literal))} - outside
+    inside = {name for literal in rule.body for name in _names(str(literal))} - outside
     for element in getattr(head, "elements", ()):
         inner = element.condition if head.ast_type == _TYPE.HeadAggregate else element
         apart = _Apart(inside)
@@ -124,14 +125,12 @@ def _outside(literal: ast.AST) -> str:
     return " ".join(_guards(literal.atom)) if literal.atom.ast_type in _AGGREGATES else str(literal)
 
 
-def _instances(
-    rule: "Rule | _Unpooled", place: str | None, values: Values, given: str
-) -> Iterator[str]:
+def _instances(rule: ast.AST, place: str | None, values: Values, given: str) -> Iterator[str]:
     """Yield bodies, one for each head, that bind `_H` to the derived atom."""
     for head, condition in _heads(rule):
         if head.atom.ast_type == _TYPE.SymbolicAtom:
             symbol = _Reading(None, values)(head.atom.symbol)
-            body = _body((*rule.ast.body, *condition), place, values)
+            body = _body((*rule.body, *condition), place, values)
             yield "; ".join([given, f"_H = {symbol}", *body])
 
 
@@ -153,7 +152,7 @@ def least_heights(
     lines = [f"level(0..{len(true)}).", *(f"in(0,{atom})." for atom in given)]
     lines.append("in(_N+1,_A) :- in(_N,_A); level(_N).")
     for rule in rules:
-        for body in _instances(rule, "_N", {}, "level(_N)"):
+        for body in _instances(tree(rule.text), "_N", {}, "level(_N)"):
             lines.append(f"in(_N+1,_H) :- {body}; true(_H).")
     heights: dict[clingo.Symbol, int] = {}
     for atom in _solved(lines, true):
@@ -178,8 +177,7 @@ def standing_firings(
     lines = [f"place(without({atom}))." for atom in true]
     lines += [f"in(_P,{atom}) :- place(_P); _P != without({atom})." for atom in given]
     for number, rule in enumerate(rules):
-        for statement in rule.ast.unpool():
-            unpooled = _Unpooled(statement)
+        for unpooled in tree(rule.text).unpool():
             names = sorted(_globals(unpooled))
             pairs = "".join(f'("{name}",{name}),' for name in names)
             for body in _instances(unpooled, "_P", {}, "place(_P)"):
@@ -195,20 +193,13 @@ def standing_firings(
     return frozenset(found)
 
 
-class _Unpooled:
-    """A rule without pools."""
-
-    def __init__(self, statement: ast.AST) -> None:
-        self.ast = statement
-
-
-def _globals(rule: _Unpooled) -> set[str]:
+def _globals(rule: ast.AST) -> set[str]:
     """Return the variables that some literal outside of aggregates and conditions names."""
     found: list[str] = []
     for head, condition in _heads(rule):
         found.append(str(head))
         found += map(str, condition)
-    for literal in rule.ast.body:
+    for literal in rule.body:
         if literal.ast_type == _TYPE.Literal and literal.sign == ast.Sign.NoSign:
             found.append(_outside(literal))
     return {name for text in found for name in _names(text)}
@@ -279,16 +270,18 @@ class _Claims:
         place = f"step({len(self.texts)})"
         rests = [p.atom for p in step.premises if isinstance(p, Given | Derived)]
         self.lines.extend(f"in({place},{atom})." for atom in rests)
-        bodies = _instances(step.rule, place, step.bindings, f"_H = {step.atom}")
+        bodies = _instances(tree(step.rule.text), place, step.bindings, f"_H = {step.atom}")
         self.claim(f"{step.atom} by {step.rule.text} from {rests}", *bodies)
 
     def attempt(self, attempt: NearMiss) -> None:
         """Claim that the failed literal of a near miss is false."""
         text = f"{attempt.fails} fails for {attempt.bindings} in {attempt.rule.text}"
         if attempt.fails is None:
-            bodies = _instances(attempt.rule, None, attempt.bindings, f"_H = {attempt.atom}")
+            bodies = _instances(
+                tree(attempt.rule.text), None, attempt.bindings, f"_H = {attempt.atom}"
+            )
             self.claim(text, *bodies)
-            if attempt.rule.ast.head.ast_type == _TYPE.Literal:
+            if tree(attempt.rule.text).head.ast_type == _TYPE.Literal:
                 self.wrong.append(f"{attempt.rule.text} is no choice")
         else:
             literal = literal_of(attempt.fails)
@@ -337,7 +330,7 @@ def height(trace: Trace) -> int:
 def could_give(rule: Rule, atom: clingo.Symbol) -> bool:
     """Whether a head of a rule is an atom for values from 0 to 3 of its variables."""
     lines = []
-    for head, _ in _heads(rule):
+    for head, _ in _heads(tree(rule.text)):
         if re.match(rf"{atom.name}\b", str(head)):
             values = "; ".join(f"{name} = 0..3" for name in ("X", "Y"))
             lines.append(f"ok :- {values}; {head.atom.symbol} = {atom}.")

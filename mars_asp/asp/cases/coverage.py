@@ -64,7 +64,7 @@ def covered(
     `rulebook` contains all rules; `measure` replaces the way in which cases are run.
     """
     measure = measure or Measure(_one_by_one, _refusing)
-    looked_at = [rule for rule in rules if rule.ast.body]
+    looked_at = [rule for rule in rules if rule.node.body]
     probed = {number: tuple(probes(number, rule)) for number, rule in enumerate(looked_at)}
     entries: dict[str, list[str]] = {}
     for number, rule in enumerate(looked_at):
@@ -89,7 +89,7 @@ def covered(
 
 def is_constraint(rule: Rule) -> bool:
     """Whether a rule is a constraint."""
-    return str(rule.ast.head) == "#false"
+    return str(rule.node.head) == "#false"
 
 
 def watched(rules: str, constraints: Mapping[int, Rule]) -> str:

@@ -13,7 +13,6 @@ from functools import cache, partial
 from typing import TypeAlias
 
 import clingo
-from clingo import ast
 
 from mars_asp.asp.cases.coverage import Case
 from mars_asp.asp.cases.mutants import Mutant, MutantVerdict, MutatedFile, written
@@ -22,7 +21,9 @@ from mars_asp.asp.contained import Lost, ask, limit_time
 from mars_asp.asp.rules.expansions import Expansions, expanded
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.rules.statements import statements, tree
+from mars_asp.asp.rules.statements import statements
+from mars_asp.asp.rules.statements import written as tree_of
+from mars_asp.asp.rules.trees import Kind, SyntaxNode
 from mars_asp.asp.solve.cyclic import cyclic_components
 from mars_asp.diagnostic import MarsError
 
@@ -30,7 +31,6 @@ from mars_asp.diagnostic import MarsError
 RUNS_AWAY = "it runs away"
 #: The seconds of CPU time for a case; a mutant that needs more runs away.
 _SECONDS = 5.0
-_TYPE = ast.ASTType
 #: The holes of messages, by the file and the line of their rule.
 _Holes: TypeAlias = Mapping[tuple[str, int], Sequence[str]]
 
@@ -134,7 +134,7 @@ def _is_of(rule: Rule, mutant: Mutant) -> bool:
     if (rule.span.path, rule.span.line) != (mutant.path, mutant.line):
         return False
     # Other rules may be in the same line.
-    return rule.listed is not None or written(rule.ast) == mutant.before
+    return rule.listed is not None or written(rule.node) == mutant.before
 
 
 # ---- Which cases can notice a mutant -------------------------------------------------------------
@@ -179,17 +179,17 @@ def _useful(
     return useful
 
 
-def _head(rule: ast.AST) -> ast.AST | None:
+def _head(rule: SyntaxNode) -> SyntaxNode | None:
     """Return the atom that a rule derives, or None for choices, constraints and others."""
-    if rule.ast_type != _TYPE.Rule or rule.head.ast_type != _TYPE.Literal:
+    if rule.ast_type != Kind.Rule or rule.head.ast_type != Kind.Literal:
         return None
-    atom: ast.AST = rule.head.atom
-    return atom if atom.ast_type == _TYPE.SymbolicAtom else None
+    atom: SyntaxNode = rule.head.atom
+    return atom if atom.ast_type == Kind.SymbolicAtom else None
 
 
 def _probe(name: str, statement: str, holes: Sequence[str]) -> str:
     """Return a rule deriving `__probe(name, ...)` with a statement's head and message values."""
-    rule = tree(statement)
+    rule = tree_of(statement)
     body = "; ".join(map(str, rule.body)) or "#true"
     return f"__probe({name},t({','.join([str(_head(rule)), *holes])})) :- {body}."
 
@@ -242,7 +242,7 @@ def _circular(files: tuple[MutatedFile, ...]) -> set[tuple[str, str]]:
         (file.path, rule.text, {s.unsigned for s in one.derives}, {s.unsigned for s in one.reads})
         for file in files
         for rule in file.statements
-        if rule.tree.ast_type == _TYPE.Rule
+        if rule.tree.ast_type == Kind.Rule
         for one in statements(rule.text)
     ]
     group = cyclic_components(

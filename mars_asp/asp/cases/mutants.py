@@ -4,34 +4,37 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
+from itertools import accumulate
 from typing import TypeAlias
 
 import clingo
-from clingo import ast
 
 from mars_asp.asp.cases.probes import is_safe
-from mars_asp.asp.rules.trees import COMPARISONS
+from mars_asp.asp.rules.statements import parsed, term_of
+from mars_asp.asp.rules.trees import (
+    COMPARISONS,
+    FUNCTIONS,
+    Kind,
+    Sign,
+    SyntaxNode,
+    extent_of,
+    plain,
+)
 
-_TYPE = ast.ASTType
-_SIGN = ast.Sign
-_IS = ast.ComparisonOperator
 #: A changed node, and a description of the change.
-_Variant: TypeAlias = tuple[ast.AST, str]
+_Variant: TypeAlias = tuple[SyntaxNode, str]
 
 _FLIPPED = {
-    _IS.LessThan: (_IS.LessEqual, _IS.GreaterThan),
-    _IS.LessEqual: (_IS.LessThan, _IS.GreaterEqual),
-    _IS.GreaterThan: (_IS.GreaterEqual, _IS.LessThan),
-    _IS.GreaterEqual: (_IS.GreaterThan, _IS.LessEqual),
-    _IS.Equal: (_IS.NotEqual,),
-    _IS.NotEqual: (_IS.Equal,),
+    "<": ("<=", ">"),
+    "<=": ("<", ">="),
+    ">": (">=", "<"),
+    ">=": (">", "<="),
+    "=": ("!=",),
+    "!=": ("=",),
 }
-_SWAPPED = {
-    int(ast.AggregateFunction.Min): ast.AggregateFunction.Max,
-    int(ast.AggregateFunction.Max): ast.AggregateFunction.Min,
-}
+_SWAPPED = {"min": "max", "max": "min"}
 _MINIMIZE, _MINIMIZED = "#minimize { ", " }."
-_TUPLES = (_TYPE.BodyAggregateElement, _TYPE.Minimize)
+_TUPLES = (Kind.BodyAggregateElement, Kind.Minimize)
 _CONDITIONS = ("body", "condition")
 _is_safe = cache(is_safe)
 
@@ -80,7 +83,7 @@ def drawn(mutants: Iterable[Mutant], number: int, seed: int) -> list[Mutant]:
 class MutatedStatement:
     """One statement of a rule file: its tree and the bytes of the file that it takes."""
 
-    tree: ast.AST
+    tree: SyntaxNode
     line: int
     begin: int
     end: int
@@ -105,7 +108,7 @@ class MutatedFile:
         old = self.statements[mutant.place]
         lines = self.content[old.begin : old.end].count(b"\n")
         # The tree of a minimise statement has the span of the element within the braces.
-        minimised = old.tree.ast_type == _TYPE.Minimize
+        minimised = old.tree.ast_type == Kind.Minimize
         after = mutant.after
         new = after.removeprefix(_MINIMIZE).removesuffix(_MINIMIZED) if minimised else after
         changed = new.encode() + b"\n" * lines
@@ -115,27 +118,21 @@ class MutatedFile:
 def rule_file(path: str, stage: str, content: bytes) -> MutatedFile:
     """Return a file of rules with the statements that can be mutated."""
     starts = [0]
-    for line in content.split(b"\n"):
-        starts.append(starts[-1] + len(line) + 1)
-    trees: list[ast.AST] = []
+    starts += accumulate(len(line) + 1 for line in content.split(b"\n"))
     # Columns count bytes in clingo.
-    ast.parse_string(content.decode("latin-1").encode("ascii", "replace").decode(), trees.append)
-    statements = tuple(
-        MutatedStatement(
-            tree,
-            tree.location.begin.line,
-            starts[tree.location.begin.line - 1] + tree.location.begin.column - 1,
-            starts[tree.location.end.line - 1] + tree.location.end.column - 1,
-        )
-        for tree in trees
-        if tree.ast_type in (_TYPE.Rule, _TYPE.Minimize)
-    )
-    return MutatedFile(path, stage, content, statements)
+    trees = map(plain, parsed(content.decode("latin-1").encode("ascii", "replace").decode()))
+    statements: list[MutatedStatement] = []
+    for tree in trees:
+        if tree.ast_type in (Kind.Rule, Kind.Minimize):
+            line, column, end_line, end = extent_of(tree)
+            places = (starts[line - 1] + column - 1, starts[end_line - 1] + end - 1)
+            statements.append(MutatedStatement(tree, line, *places))
+    return MutatedFile(path, stage, content, tuple(statements))
 
 
-def written(tree: ast.AST) -> str:
+def written(tree: SyntaxNode) -> str:
     """Return a statement as text; minimise statements have one fixed form."""
-    if tree.ast_type != _TYPE.Minimize:
+    if tree.ast_type != Kind.Minimize:
         return str(tree)
     terms = ",".join([f"{tree.weight}@{tree.priority}", *map(str, tree.terms)])
     return f"{_MINIMIZE}{terms}: {', '.join(map(str, tree.body))}{_MINIMIZED}"
@@ -143,7 +140,7 @@ def written(tree: ast.AST) -> str:
 
 def rule_mutants(file: MutatedFile) -> Iterator[Mutant]:
     """Yield the mutants of a file, without texts that do not parse or are unsafe."""
-    levels = sorted({_level(s.tree) for s in file.statements if s.tree.ast_type == _TYPE.Minimize})
+    levels = sorted({_level(s.tree) for s in file.statements if s.tree.ast_type == Kind.Minimize})
     for place, statement in enumerate(file.statements):
         before = statement.text
         seen = {before}
@@ -155,89 +152,85 @@ def rule_mutants(file: MutatedFile) -> Iterator[Mutant]:
                 yield Mutant(file.path, statement.line, change, before, after, place)
 
 
-def _level(tree: ast.AST) -> int:
+def _level(tree: SyntaxNode) -> int:
     number: int = tree.priority.symbol.number
     return number
 
 
-def _of_cost(tree: ast.AST, levels: Sequence[int]) -> Iterator[_Variant]:
+def _of_cost(tree: SyntaxNode, levels: Sequence[int]) -> Iterator[_Variant]:
     """Yield the variants of a minimise statement: another level, weight or direction."""
-    if tree.ast_type != _TYPE.Minimize:
+    if tree.ast_type != Kind.Minimize:
         return
     place = levels.index(_level(tree))
     for other in (*levels[max(0, place - 1) : place], *levels[place + 1 : place + 2]):
-        symbol = ast.SymbolicTerm(tree.location, clingo.Number(other))
-        yield tree.update(priority=symbol), f"level {levels[place]} -> {other}"
-    negated = ast.UnaryOperation(tree.location, ast.UnaryOperator.Minus, tree.weight)
-    yield tree.update(weight=negated), "#minimize -> #maximize"
-    if tree.weight.ast_type != _TYPE.SymbolicTerm:
-        one = ast.SymbolicTerm(tree.location, clingo.Number(1))
-        yield tree.update(weight=one), f"weight {tree.weight} -> 1"
+        yield tree.updated(priority=term_of(str(other))), f"level {levels[place]} -> {other}"
+    negated = term_of("-X").updated(argument=tree.weight)
+    yield tree.updated(weight=negated), "#minimize -> #maximize"
+    if tree.weight.ast_type != Kind.SymbolicTerm:
+        yield tree.updated(weight=term_of("1")), f"weight {tree.weight} -> 1"
 
 
-def _variants(node: ast.AST, in_body: bool) -> Iterator[_Variant]:
+def _variants(node: SyntaxNode, in_body: bool) -> Iterator[_Variant]:
     """Yield each variant of a tree with one change; `in_body` is whether it is in a body."""
     yield from _own(node, in_body)
-    for key in node.child_keys:
-        if key in ("location", "priority"):
-            continue
-        child = getattr(node, key)
+    for key, child in node.parts:
         below = in_body or key in _CONDITIONS
-        if isinstance(child, ast.AST):
+        if key == "priority":
+            continue
+        if isinstance(child, SyntaxNode):
             for tree, change in _variants(child, below):
-                yield node.update(**{key: tree}), change
-        elif child is not None:
+                yield node.updated(**{key: tree}), change
+        else:
             yield from _of_sequence(node, key, list(child), below)
 
 
 def _of_sequence(
-    node: ast.AST, key: str, nodes: list[ast.AST], in_body: bool
+    node: SyntaxNode, key: str, nodes: list[SyntaxNode], in_body: bool
 ) -> Iterator[_Variant]:
     for index, element in enumerate(nodes):
         rest = nodes[:index] + nodes[index + 1 :]
-        if key in _CONDITIONS and node.ast_type != _TYPE.Comparison:
-            yield node.update(**{key: rest}), f"drop `{element}`"
+        if key in _CONDITIONS and node.ast_type != Kind.Comparison:
+            yield node.updated(**{key: rest}), f"drop `{element}`"
         elif (
-            key == "terms"
-            and (rest or node.ast_type == _TYPE.Minimize)
-            and node.ast_type in _TUPLES
+            key == "terms" and (rest or node.ast_type == Kind.Minimize) and node.ast_type in _TUPLES
         ):
-            yield node.update(**{key: rest}), f"drop `{element}` of the tuple"
+            yield node.updated(**{key: rest}), f"drop `{element}` of the tuple"
         elif key == "elements" and rest:
-            yield node.update(**{key: rest}), f"drop `{element}`"
+            yield node.updated(**{key: rest}), f"drop `{element}`"
         for tree, change in _variants(element, in_body):
-            yield node.update(**{key: [*nodes[:index], tree, *nodes[index + 1 :]]}), change
+            yield node.updated(**{key: [*nodes[:index], tree, *nodes[index + 1 :]]}), change
 
 
-def _own(node: ast.AST, in_body: bool) -> Iterator[_Variant]:
-    if node.ast_type == _TYPE.Literal and in_body:
+def _own(node: SyntaxNode, in_body: bool) -> Iterator[_Variant]:
+    if node.ast_type == Kind.Literal and in_body:
         yield from _negated(node)
-    elif node.ast_type == _TYPE.Guard:
-        others = _FLIPPED[ast.ComparisonOperator(node.comparison)]
+    elif node.ast_type == Kind.Guard:
+        others = _FLIPPED[COMPARISONS[node.comparison]]
         # A number one greater or smaller is tried by changing the number.
-        for other in others[1:] if _is_number(node.term) and len(others) > 1 else others:
-            new = node.update(comparison=int(other))
+        for sign in others[1:] if _is_number(node.term) and len(others) > 1 else others:
+            new = node.updated(comparison=COMPARISONS.index(sign))
             yield new, f"flip `{_guard(node)}` -> `{_guard(new)}`"
     elif _is_number(node):
         for number in (node.symbol.number + 1, node.symbol.number - 1):
             if -(1 << 31) <= number < 1 << 31:
-                new = node.update(symbol=clingo.Number(number))
+                new = node.updated(symbol=clingo.Number(number))
                 yield new, f"constant {node} -> {new}"
-    elif node.ast_type == _TYPE.BodyAggregate and node.function in _SWAPPED:
-        yield node.update(function=int(_SWAPPED[node.function])), "swap #min and #max"
+    elif node.ast_type == Kind.BodyAggregate and FUNCTIONS[node.function] in _SWAPPED:
+        other = FUNCTIONS.index(_SWAPPED[FUNCTIONS[node.function]])
+        yield node.updated(function=other), "swap #min and #max"
 
 
-def _is_number(node: ast.AST) -> bool:
-    return node.ast_type == _TYPE.SymbolicTerm and node.symbol.type == clingo.SymbolType.Number
+def _is_number(node: SyntaxNode) -> bool:
+    return node.ast_type == Kind.SymbolicTerm and node.symbol.type == clingo.SymbolType.Number
 
 
-def _negated(literal: ast.AST) -> Iterator[_Variant]:
-    if literal.atom.ast_type in (_TYPE.Comparison, _TYPE.BooleanConstant):
+def _negated(literal: SyntaxNode) -> Iterator[_Variant]:
+    if literal.atom.ast_type in (Kind.Comparison, Kind.BooleanConstant):
         return
-    other = _SIGN.Negation if literal.sign == _SIGN.NoSign else _SIGN.NoSign
-    new = literal.update(sign=int(other))
+    other = Sign.Negation if literal.sign == Sign.NoSign else Sign.NoSign
+    new = literal.updated(sign=int(other))
     yield new, f"`{literal}` -> `{new}`"
 
 
-def _guard(guard: ast.AST) -> str:
+def _guard(guard: SyntaxNode) -> str:
     return f"{COMPARISONS[guard.comparison]} {guard.term}"

@@ -6,13 +6,11 @@ from functools import cache
 from itertools import chain
 
 import clingo
-from clingo import ast
 
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.rules.trees import below, plain
+from mars_asp.asp.rules.trees import Kind, Sign, SyntaxNode, names_in, with_variables
 
 FIRED, NEAR = "_fired", "_near"
-_TYPE = ast.ASTType
 
 
 def probes(number: int, rule: Rule) -> Iterator[tuple[str, str]]:
@@ -26,7 +24,7 @@ def probes(number: int, rule: Rule) -> Iterator[tuple[str, str]]:
 
 
 @cache
-def probed(rule: Rule) -> tuple[tuple[str, Sequence[ast.AST]], ...]:
+def probed(rule: Rule) -> tuple[tuple[str, Sequence[SyntaxNode]], ...]:
     """Return the predicates that `probes` derives, each with the body of its probe."""
     return tuple((name, body) for name, body in _bodies(rule) if is_safe(_probe_of(name, 0, body)))
 
@@ -37,7 +35,7 @@ def fired(number: int, rule: Rule) -> str:
     return _probe_of(name, number, body)
 
 
-def _probe_of(name: str, number: int, body: Sequence[ast.AST]) -> str:
+def _probe_of(name: str, number: int, body: Sequence[SyntaxNode]) -> str:
     return f"{name}({number}) :- {'; '.join(map(str, body)) or '#true'}."
 
 
@@ -52,36 +50,23 @@ def is_safe(text: str) -> bool:
     return True
 
 
-def _bodies(rule: Rule) -> Iterator[tuple[str, Sequence[ast.AST]]]:
-    body = list(rule.ast.body)
+def _bodies(rule: Rule) -> Iterator[tuple[str, Sequence[SyntaxNode]]]:
+    body = list(rule.node.body)
     yield FIRED, body
-    named = [
-        {each.name for each in below(plain(literal)) if each.ast_type is _TYPE.Variable}
-        for literal in body
-    ]
+    named = list(map(names_in, body))
     times = Counter(chain.from_iterable(named))
     for index, literal in enumerate(body):
         own = {name for name in named[index] if times[name] == 1}
         yield NEAR, [*body[:index], *body[index + 1 :], *_failing(literal, own)]
 
 
-def _failing(literal: ast.AST, own: set[str]) -> Iterator[ast.AST]:
+def _failing(literal: SyntaxNode, own: set[str]) -> Iterator[SyntaxNode]:
     """Yield the literal that holds exactly if `literal` fails, if there is one."""
-    if literal.ast_type != _TYPE.Literal:
+    if literal.ast_type != Kind.Literal:
         return
-    if literal.sign == ast.Sign.NoSign:
-        symbolic = literal.atom.ast_type == _TYPE.SymbolicAtom
-        bare = _Blank(own)(literal) if own and symbolic else literal
-        yield bare.update(sign=ast.Sign.Negation)
+    if literal.sign == Sign.NoSign:
+        symbolic = literal.atom.ast_type == Kind.SymbolicAtom
+        bare = with_variables(literal, dict.fromkeys(own, "_")) if symbolic else literal
+        yield bare.updated(sign=Sign.Negation)
     else:
-        yield literal.update(sign=ast.Sign.NoSign)
-
-
-class _Blank(ast.Transformer):
-    """Replaces the variables of a tree by `_`."""
-
-    def __init__(self, names: set[str]) -> None:
-        self.names = names
-
-    def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
-        return node.update(name="_") if node.name in self.names else node
+        yield literal.updated(sign=Sign.NoSign)

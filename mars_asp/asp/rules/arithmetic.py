@@ -7,10 +7,10 @@ from typing import NamedTuple, TypeAlias
 import clingo
 
 from mars_asp.asp.cache import memoized
-from mars_asp.asp.rules import statements
 from mars_asp.asp.rules.checks import placed
 from mars_asp.asp.rules.computed import Computed, Summed, leaves
 from mars_asp.asp.rules.statements import (
+    FILES,
     Number,
     Operand,
     Operation,
@@ -31,7 +31,7 @@ class _Overflow(NamedTuple):
 
 def overflows(text: str, path: str) -> Iterator[Diagnostic]:
     """Yield the numbers of a rule file, and operations on constants alone, that do not fit."""
-    files = map(Path, (__file__, statements.__file__))
+    files = (Path(__file__), *FILES)
     for place, written in memoized("overflows", files, [text], _overflows)[text]:
         yield Diagnostic(
             "rule-number",

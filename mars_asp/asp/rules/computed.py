@@ -9,11 +9,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from clingo import ast
-
 from mars_asp.asp.cache import memoized
-from mars_asp.asp.rules import statements, trees
 from mars_asp.asp.rules.statements import (
+    FILES,
     ArithmeticReader,
     Operand,
     Operation,
@@ -23,18 +21,20 @@ from mars_asp.asp.rules.statements import (
     variants,
 )
 from mars_asp.asp.rules.trees import (
+    FUNCTIONS,
     WITH_ELEMENTS,
     Kind,
     SyntaxNode,
     atom_of,
     elements_of,
+    global_names,
     guards_of,
     names_in,
 )
 
 #: Operations that never leave 32 bits if their operands do not.
 _FITS = frozenset({"&", "?", "^", "~", "/", "\\", ""})
-_SUMS = (ast.AggregateFunction.Sum, ast.AggregateFunction.SumPlus)
+_SUMS = ("sum", "sumplus")
 #: A string or a word, such as the name of a variable.
 _WORD = re.compile(r""""(?:[^"\\]|\\.)*"|(?<![\w'])[\w']+""")
 _UNSAFE = re.compile(r"note: '(\w+'*)' is unsafe")
@@ -92,10 +92,9 @@ class _Site(NamedTuple):
 
 def computations(texts: Iterable[str]) -> dict[str, tuple[Computed | Summed, ...]]:
     """Return the operations of each rule that can leave 32 bits."""
-    files = map(Path, (__file__, statements.__file__, trees.__file__, ast.__file__))
     # Most rules compute nothing.
     risky = (text for text in texts if "#sum" in text or any(map(_is_open, rule_operands(text))))
-    return memoized("computations", files, risky, _computations)
+    return memoized("computations", (Path(__file__), *FILES), risky, _computations)
 
 
 def _is_open(operand: Operand) -> bool:
@@ -166,7 +165,7 @@ def _beside(rule: SyntaxNode) -> tuple[_Literal, ...]:
     """
     known = names_in(rule)
     body = tuple(map(_literal, rule.body))
-    shared = _NONE.union(*map(_global_names, (rule.head, *rule.body)))
+    shared = global_names((rule.head, *rule.body))
     if known == shared:
         return body
     suffix = "_"
@@ -174,14 +173,6 @@ def _beside(rule: SyntaxNode) -> tuple[_Literal, ...]:
         suffix += "_"
     local = {name: f"{name}{suffix}" for name in known - shared}
     return tuple(literal.renamed(local) for literal in body)
-
-
-def _global_names(node: SyntaxNode) -> frozenset[str]:
-    """Return the variables of a head or literal outside of its elements."""
-    atom = atom_of(node)
-    if atom.ast_type in WITH_ELEMENTS:
-        return _NONE.union(*(names_in(guard) for guard in guards_of(atom)))
-    return names_in(node)
 
 
 def _sums(
@@ -192,7 +183,8 @@ def _sums(
         if literal.ast_type is Kind.Literal:
             aggregates.append((literal.atom, (*beside[:number], *beside[number + 1 :])))
     for aggregate, rest in aggregates:
-        if getattr(aggregate, "function", None) not in _SUMS:
+        function = FUNCTIONS[getattr(aggregate, "function", 0)]
+        if function not in _SUMS:
             continue
         names, outside = sorted(names_in(aggregate)), frozenset(rest)
         for element, (_, condition) in zip(aggregate.elements, elements_of(aggregate), strict=True):
@@ -204,7 +196,7 @@ def _sums(
             if kept is not None:
                 varying = _unsafe_names(names, [each for each in kept if each in outside])
                 shared = tuple(name for name in names if name not in varying)
-                negative = aggregate.function == ast.AggregateFunction.Sum
+                negative = function == "sum"
                 yield Summed(reader.place(aggregate), negative, terms, shared, _written(kept))
 
 

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from mars_asp.asp.cache import memoized
-from mars_asp.asp.rules import statements as reader
-from mars_asp.asp.rules.statements import Statement, constants, statements
+from mars_asp.asp.rules.statements import FILES, Statement, constants, statements
 from mars_asp.asp.signature import Signature
 
 
@@ -31,9 +30,11 @@ class Dependencies(NamedTuple):
 def dependencies_of(texts: Iterable[str]) -> list[tuple[Dependencies, ...]]:
     """Return the dependencies of each rule: one entry for each variant without pools."""
     keys = tuple(texts)
-    files = map(Path, (__file__, reader.__file__))
     made = memoized(
-        "dependencies", files, keys, lambda text: tuple(map(_dependencies, statements(text)))
+        "dependencies",
+        (Path(__file__), *FILES),
+        keys,
+        lambda text: tuple(map(_dependencies, statements(text))),
     )
     return [made[text] for text in keys]
 

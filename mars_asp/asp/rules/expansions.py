@@ -34,7 +34,7 @@ from mars_asp.asp.rules.statements import (
     pieces,
     statements,
 )
-from mars_asp.asp.rules.trees import names_in, plain
+from mars_asp.asp.rules.trees import names_in
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.units import UNITS
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
@@ -165,7 +165,7 @@ def wrong(
         if element.label is not None and not expansion.is_labelled:
             yield _expansion_error(f"`{key}` takes no labels", place, advice)
             return
-    local = names_in(plain(rule.ast)) - bound_variables(rule.text)
+    local = names_in(rule.node) - bound_variables(rule.text)
     for name in sorted(local.intersection(_VARIABLE.findall(_STRING.sub("", written)))):
         message = (
             f"`{name}` of `{key}` is a different variable in an aggregate or negation of the rule"

@@ -6,18 +6,16 @@ that no build has read. Those of a single rule are always known.
 
 import re
 from collections.abc import Callable, Sequence
-from functools import cache
 from pathlib import Path
 
 from mars_asp.asp.cache import digest, memoized
 from mars_asp.asp.fragments import Fragment, Premises, blank
-from mars_asp.asp.rules import statements as reader
-from mars_asp.asp.rules import trees
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.rules.statements import Place, pieces, statements
+from mars_asp.asp.rules.statements import FILES, Place, pieces, statements
 
 #: The sorts of statements that make no atoms possible except those in the heads of rules.
 _SILENT = ("rule", "comment", "constant", "declaration", "shown", "cost")
+_MAKERS = (Path(__file__), *FILES)
 _BLANKS = re.compile(r"[ \t]+\n")
 #: The statement at the begin of a file has no text.
 _SILENT_TOO = re.compile(r"$|#\s*project\b")
@@ -43,19 +41,14 @@ def fragment_of(rule: Rule) -> Fragment:
 
 def premises_of_rule(rule: Rule, text: str | None = None, gives: str | None = None) -> Premises:
     """Return the premises of a rule, or of a `text` with its body and the head `gives`."""
-    needs, own = memoized("needs", _makers(), [rule.text], _of_rule)[rule.text]
+    needs, own = memoized("needs", _MAKERS, [rule.text], _of_rule)[rule.text]
     heads = own if gives is None else frozenset({gives})
     return Premises(("", ""), (rule.text if text is None else text,), (needs,), (heads,))
 
 
 def _known(text: str, make: Callable[[], Premises | None]) -> Premises | None:
     key = digest(text.encode())
-    return memoized("premises", _makers(), [key], lambda _: make())[key]
-
-
-@cache
-def _makers() -> tuple[Path, ...]:
-    return Path(__file__), Path(reader.__file__), Path(trees.__file__)
+    return memoized("premises", _MAKERS, [key], lambda _: make())[key]
 
 
 def _read_text(text: str) -> Premises | None:

@@ -6,7 +6,8 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import NamedTuple
 
-from mars_asp.asp.rules.statements import Statement, Tree, statements, tree
+from mars_asp.asp.rules.statements import Statement, statements, written
+from mars_asp.asp.rules.trees import SyntaxNode
 from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Span
 
@@ -49,15 +50,15 @@ class Rule:
     #: The location of each line of metadata, by its key.
     places: tuple[tuple[str, Span], ...] = ()
 
-    @cached_property
-    def ast(self) -> Tree:
-        """Return clingo's syntax tree of the rule, from which further rules are made."""
-        return tree(self.text)
+    @property
+    def node(self) -> SyntaxNode:
+        """Return the syntax tree of the text, with its pools."""
+        return written(self.text)
 
     @cached_property
     def written(self) -> tuple[str, str]:
         """Return the head and the body as clingo formats them."""
-        return str(self.ast.head), "; ".join(map(str, self.ast.body))
+        return str(self.node.head), "; ".join(map(str, self.node.body))
 
     @property
     def statements(self) -> tuple[Statement, ...]:

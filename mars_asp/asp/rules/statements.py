@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cache, cached_property, lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Literal as Choice
 from typing import NamedTuple, TypeAlias, TypeVar
@@ -37,9 +37,6 @@ from mars_asp.asp.signature import Signature
 #: A line and a column in the text of a rule, both from 1; columns count characters.
 Place: TypeAlias = tuple[int, int]
 
-#: A tree of clingo, of which further rules are made.
-Tree: TypeAlias = ast.AST
-
 _TYPE = ast.ASTType
 _EQUAL = ast.ComparisonOperator.Equal
 _SILENT = (_TYPE.Program, _TYPE.ShowSignature, _TYPE.Defined, _TYPE.Comment)
@@ -49,6 +46,8 @@ _COMPOUND = (_TYPE.Function, _TYPE.Pool)
 #: How clingo writes that a literal is not negated, negated once, or twice.
 _SIGNS = ("", "not ", "not not ")
 _NONE: frozenset[str] = frozenset()
+#: The files whose changes can change the values of rules.
+FILES = (Path(__file__), *trees.FILES)
 #: A part of every operation, and of every number that does not fit into 32 bits.
 _COMPUTING = re.compile(r"[-+*/\\&?^|~]|[0-9]{10}|0[a-z]")
 #: A part of every text that minimises or maximises something.
@@ -255,17 +254,12 @@ class RuleSyntaxError(Exception):
 @lru_cache(maxsize=_MOST)
 def statements(text: str) -> tuple[Statement, ...]:
     """Return the variants of a rule without pools."""
-    return memoized("statements", _makers(), [text], _statements)[text]
+    return memoized("statements", FILES, [text], _statements)[text]
 
 
 def statements_of(texts: Iterable[str]) -> dict[str, tuple[Statement, ...]]:
     """Return the variants of each of some rules without pools, by their texts."""
     return {text: statements(text) for text in texts}
-
-
-@cache
-def _makers() -> tuple[Path, ...]:
-    return tuple(map(Path, (__file__, trees.__file__, ast.__file__)))
 
 
 def _statements(text: str) -> tuple[Statement, ...]:
@@ -275,7 +269,7 @@ def _statements(text: str) -> tuple[Statement, ...]:
 
 def constants_of(texts: Iterable[str]) -> dict[str, Constants]:
     """Return the constants and strings of each of some rules, by their texts."""
-    return memoized("constants", _makers(), texts, constants)
+    return memoized("constants", FILES, texts, constants)
 
 
 def constants(text: str) -> Constants:
@@ -593,6 +587,18 @@ def variants(text: str) -> tuple[SyntaxNode, ...]:
     return tuple(map(plain, tree(text).unpool()))
 
 
+def literal_of(text: str) -> SyntaxNode:
+    """Return the tree of the text of a body's literal."""
+    literal: SyntaxNode = written(f"x :- {text}.").body[0]
+    return literal
+
+
+def term_of(text: str) -> SyntaxNode:
+    """Return the tree of the text of a term."""
+    term: SyntaxNode = literal_of(f"{text} = 0").atom.term
+    return term
+
+
 _Tree = TypeVar("_Tree", ast.AST, SyntaxNode)
 
 
@@ -658,8 +664,7 @@ class _StatementReader:
 
     def heads(self, head: SyntaxNode) -> Iterator[Head]:
         """Yield the atoms that a head may derive."""
-        alone = [((head,), ())] if head.ast_type is _TYPE.Literal else elements_of(head)
-        for (*_, literal), condition in alone:
+        for (*_, literal), condition in elements_of(head):
             if _is_symbolic(literal):
                 yield Head(self.literal(literal), self._scope(condition))
 

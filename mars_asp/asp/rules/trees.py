@@ -4,20 +4,29 @@ Clingo's own nodes call its library for each access to an attribute. Here each a
 once.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
+from pathlib import Path
 from typing import Any, TypeAlias
 
-from clingo import ast
+from clingo import Symbol, ast
 
 #: The kinds of nodes.
-Kind = ast.ASTType
+Kind: TypeAlias = ast.ASTType
+#: The signs of literals.
+Sign: TypeAlias = ast.Sign
+#: The files whose changes can change trees.
+FILES = (Path(__file__), Path(ast.__file__))
 #: The kinds of nodes that have elements with variables of their own.
 WITH_ELEMENTS = (
     *(Kind.Aggregate, Kind.BodyAggregate, Kind.HeadAggregate),
     *(Kind.Disjunction, Kind.ConditionalLiteral),
 )
-#: The signs of comparisons, of binary and of unary operations, by clingo's numbers.
+#: The kinds of aggregates in bodies.
+AGGREGATES = (Kind.BodyAggregate, Kind.Aggregate)
+#: The functions of aggregates, and the signs of comparisons, of binary and of unary operations, by
+#: clingo's numbers.
+FUNCTIONS = ("count", "sum", "sumplus", "min", "max")
 COMPARISONS = (">", "<", "<=", ">=", "!=", "=")
 OPERATIONS = ("^", "?", "&", "+", "-", "*", "/", "\\", "**")
 UNARY_OPERATIONS = ("-", "~", "|")
@@ -25,6 +34,8 @@ _LISTS = (ast.ASTSequence, ast.StrSequence)
 _ATTRIBUTES: dict[ast.ASTType, list[str]] = {}
 
 _NONE: frozenset[str] = frozenset()
+#: Clingo's own nodes.
+Tree: TypeAlias = ast.AST
 #: Where a node begins and where it ends: lines from 1, and columns from 1 that count bytes.
 Extent: TypeAlias = tuple[int, int, int, int]
 
@@ -58,6 +69,57 @@ class SyntaxNode:
                 case _:
                     self._text = str(self.tree)
         return self._text
+
+    @property
+    def parts(self) -> "Iterator[tuple[str, SyntaxNode | tuple[SyntaxNode, ...]]]":
+        """Yield the attributes that are nodes, or lists of nodes, with their names."""
+        for name in _attributes(self.ast_type, self.tree):
+            value = getattr(self, name)
+            inside = value if isinstance(value, tuple) else (value,)
+            if all(isinstance(each, SyntaxNode) for each in inside):
+                yield name, value
+
+    def updated(self, **attributes: Any) -> "SyntaxNode":
+        """Return the node with other attributes: nodes, or values of clingo."""
+        return plain(self.tree.update(**{name: _tree(value) for name, value in attributes.items()}))
+
+
+def _tree(value: Any) -> Any:
+    if isinstance(value, list):
+        return list(map(_tree, value))
+    return value.tree if isinstance(value, SyntaxNode) else value
+
+
+class _Changing(ast.Transformer):
+    """Applies a function to all nodes of a tree, to the innermost first."""
+
+    def __init__(self, change: Callable[[Tree], Tree]) -> None:
+        self._change = change
+
+    def visit(self, ast: ast.AST, *args: Any, **kwargs: Any) -> ast.AST:
+        """Return the node after the changes of it and of all below it."""
+        inside = self.visit_children(ast)
+        return self._change(ast.update(**inside) if inside else ast)
+
+
+def changed(node: SyntaxNode, change: Callable[[Tree], Tree]) -> SyntaxNode:
+    """Return a node after a change of clingo's nodes, the innermost first."""
+    return plain(_Changing(change).visit(node.tree))
+
+
+def with_variables(node: SyntaxNode, names: Mapping[str, str]) -> SyntaxNode:
+    """Return a node with other names of some variables, by their names."""
+
+    def rename(tree: ast.AST) -> ast.AST:
+        is_renamed = tree.ast_type == Kind.Variable and tree.name in names
+        return tree.update(name=names[tree.name]) if is_renamed else tree
+
+    return node if names_in(node).isdisjoint(names) else changed(node, rename)
+
+
+def constant(tree: ast.AST, symbol: Symbol) -> ast.AST:
+    """Return a constant as clingo's node, with the location of another one."""
+    return ast.SymbolicTerm(tree.location, symbol)
 
 
 def plain(tree: ast.AST) -> SyntaxNode:
@@ -129,15 +191,31 @@ def guards_of(node: SyntaxNode) -> list[SyntaxNode]:
     return [guard for guard in found if guard is not None]
 
 
+def global_names(nodes: Iterable[SyntaxNode]) -> frozenset[str]:
+    """Return the variables of heads and literals that are outside of elements and conditions.
+
+    These variables are global, as are those of guards; the scope of other variables is their own
+    element (ASP-Core-2, section 2.1; gringo's local variables).
+    """
+    found = _NONE
+    for node in nodes:
+        atom = atom_of(node)
+        outside = guards_of(atom) if atom.ast_type in WITH_ELEMENTS else (node,)
+        found = found.union(*map(names_in, outside))
+    return found
+
+
 def elements_of(
     node: SyntaxNode,
 ) -> list[tuple[tuple[SyntaxNode, ...], tuple[SyntaxNode, ...]]]:
     """Return the terms and literals of each element of a node, with the condition of the element.
 
-    Aggregates and disjunctions have elements, and a conditional literal is one; other nodes have
-    none.
+    Aggregates and disjunctions have elements, and a literal is one, with a condition or without;
+    other nodes have none.
     """
     match node.ast_type:
+        case Kind.Literal:
+            return [((node,), ())]
         case Kind.Aggregate | Kind.Disjunction:
             return [((each.literal,), each.condition) for each in node.elements]
         case Kind.BodyAggregate:

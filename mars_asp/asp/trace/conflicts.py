@@ -18,6 +18,7 @@ of diagnosis from first principles, 1987).
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -26,12 +27,24 @@ import clingo
 from mars_asp.asp.messages import fill, shown
 from mars_asp.asp.rules.externals import External
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.rules.statements import Tree
+from mars_asp.asp.rules.statements import variants
+from mars_asp.asp.rules.trees import (
+    Kind,
+    Sign,
+    SyntaxNode,
+    Tree,
+    changed,
+    constant,
+    global_names,
+    names_in,
+)
 from mars_asp.asp.trace.document import rule_json
-from mars_asp.asp.trace.firing_rules import ON, ground_text, instance_variables, open_rules
+from mars_asp.asp.trace.firing_rules import Terms, atoms_of_head
 from mars_asp.asp.trace.text import WIDTH, wrapped
 from mars_asp.diagnostic import Span
 
+#: The predicate of instances that are not left open.
+ON = "_conflict_on"
 _EXTERNAL = "_conflict_external"
 _OPTIONS = ("--seed=1", "--warn=none", "--opt-mode=ignore")
 #: Beyond so many searches there may be more conflicts.
@@ -133,10 +146,10 @@ class ConflictSearch:
         options: Sequence[str] = (),
     ) -> None:
         """Ground rules and other statements (`rest`) with the values of externals."""
-        self._statements: list[tuple[Rule, Tree]] = []
+        self._statements: list[tuple[Rule, SyntaxNode]] = []
         lines = [rest, *(each.marked(_EXTERNAL, at) for at, each in enumerate(externals))]
         for rule in rules:
-            for statement in rule.ast.unpool():
+            for statement in variants(rule.text):
                 lines += open_rules(statement, len(self._statements))
                 self._statements.append((rule, statement))
         self._control = clingo.Control([*_OPTIONS, *options], lambda *_: None)
@@ -242,3 +255,72 @@ class ConflictSearch:
         names = instance_variables(statement)
         bindings = dict(zip(names, values.arguments, strict=True))
         return Instance(ground_text(statement, head, bindings), rule.span, rule, bindings)
+
+
+# ---- Texts of instances --------------------------------------------------------------------------
+
+
+def instance_variables(statement: SyntaxNode) -> list[str]:
+    """Return the global variables of a statement, sorted."""
+    return sorted(global_names((statement.head, *statement.body)))
+
+
+def is_forced_atom(head: SyntaxNode) -> bool:
+    """Whether a head is a single atom, and no choice."""
+    is_literal = head.ast_type == Kind.Literal and head.sign == Sign.NoSign
+    return is_literal and head.atom.ast_type == Kind.SymbolicAtom
+
+
+def open_rules(statement: SyntaxNode, number: int) -> Iterator[str]:
+    """Yield rules equivalent to a statement whose instances can be left open."""
+    head, terms = statement.head, Terms()
+    body = [*map(str, statement.body)]
+    text, key, choice = str(head), "none", None
+    if is_forced_atom(head):
+        text = key = choice = terms.atom(head.atom.symbol, fresh_complex=True)
+        body += terms.equations
+    elif head.ast_type in (Kind.Aggregate, Kind.HeadAggregate):
+        if head.left_guard is None and head.right_guard is None:
+            yield str(statement)
+            return
+    if choice is None and head.ast_type != Kind.Literal:
+        found = (
+            f"{atom}{' : ' if condition else ''}{', '.join(map(str, condition))}"
+            for atom, condition in atoms_of_head(statement)
+        )
+        choice = "; ".join(found)
+    on = f"{ON}({number},{key},v({','.join(instance_variables(statement))}))"
+    yield f"{text} :- {'; '.join([*body, on])}."
+    if choice is not None:
+        yield f"{{ {choice} }} :- {'; '.join([*body, f'not {on}'])}."
+    yield f"#external {on} : {'; '.join(body)}." if body else f"#external {on}."
+
+
+def _with_values(node: SyntaxNode, values: Mapping[str, clingo.Symbol]) -> str:
+    """Return the text of a node with values of variables, and of arithmetic on values."""
+
+    def value(tree: Tree) -> Tree:
+        if tree.ast_type == Kind.Variable and tree.name in values:
+            return constant(tree, values[tree.name])
+        if tree.ast_type in (Kind.BinaryOperation, Kind.UnaryOperation):
+            with suppress(RuntimeError):
+                return constant(tree, clingo.parse_term(str(tree)))
+        return tree
+
+    return str(changed(node, value))
+
+
+def ground_text(
+    statement: SyntaxNode, head: clingo.Symbol, values: Mapping[str, clingo.Symbol]
+) -> str:
+    """Return the text of an instance; true comparisons of values are left out."""
+    body = []
+    for literal in statement.body:
+        is_test = literal.ast_type == Kind.Literal and literal.atom.ast_type == Kind.Comparison
+        if not is_test or names_in(literal) - values.keys():
+            body.append(_with_values(literal, values))
+    is_forced = is_forced_atom(statement.head)
+    shown_head = str(head) if is_forced else _with_values(statement.head, values)
+    shown_head = "" if shown_head == "#false" else shown_head
+    after = f":- {', '.join(body)}" if body or not shown_head else ""
+    return f"{' '.join(filter(None, (shown_head, after)))}."

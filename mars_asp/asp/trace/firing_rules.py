@@ -24,35 +24,41 @@ queries of every rule.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeAlias
 
-import clingo
-from clingo import ast
-
 from mars_asp.asp.cache import memoized
-from mars_asp.asp.rules import statements
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.rules.statements import sign_and_function
+from mars_asp.asp.rules.statements import FILES, sign_and_function, term_of, variants
+from mars_asp.asp.rules.trees import (
+    AGGREGATES,
+    Kind,
+    Sign,
+    SyntaxNode,
+    Tree,
+    changed,
+    elements_of,
+    global_names,
+    guards_of,
+    names_in,
+    with_variables,
+)
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve import atoms
 from mars_asp.asp.solve.atoms import function_text, term_text
-from mars_asp.asp.trace import counting_rules, scope
-from mars_asp.asp.trace.counting_rules import elements_of, group_key, needed_of
-from mars_asp.asp.trace.scope import (
-    AGGREGATES,
-    OWN,
-    atoms_of_head,
-    bare,
-    global_variables,
-    guards,
-    variables_of,
-)
+from mars_asp.asp.trace import counting_rules
+from mars_asp.asp.trace.counting_rules import counted_elements, group_key, needed_of
 
-_TYPE = ast.ASTType
-_HEADS = (_TYPE.Literal, _TYPE.Aggregate, _TYPE.HeadAggregate, _TYPE.Disjunction)
+_HEADS = (Kind.Literal, Kind.Aggregate, Kind.HeadAggregate, Kind.Disjunction)
+#: The prefix of renamed variables that are local to an element of a head; no instance shows them.
+_OWN = "_Own_"
+_STRING = re.compile(r'"(?:[^"\\]|\\.)*"')
+_VARIABLE = re.compile(r"(?<![\w'])_*[A-Z][\w']*")
+_ANONYMOUS = re.compile(r"(?<![\w'])_(?![\w'])")
+#: An operator, in the text of a term without its strings.
+OPERATOR = re.compile(r"[-+*/\\&?^~|]|\.\.")
 #: Placeholders for the numbers of a rule and of a question in stored explanation rules; no rule can
 #: contain them.
 _NUMBER = "\0r"
@@ -87,19 +93,12 @@ class Rewriter:
             for number in numbers
         }
         first = {key: number for number, key in reversed(keys.items())}
-        makers = (
-            __file__,
-            counting_rules.__file__,
-            statements.__file__,
-            scope.__file__,
-            atoms.__file__,
-            ast.__file__,
-        )
+        makers = map(Path, (__file__, counting_rules.__file__, atoms.__file__))
         made = memoized(
             "firings",
-            map(Path, makers),
+            (*makers, *FILES),
             first,
-            lambda key: self._explanation_rules(first[key], rules),
+            lambda key: self._explanation_rules(first[key], key[0]),
         )
         parts: list[str] = []
         for number, key in keys.items():
@@ -109,23 +108,23 @@ class Rewriter:
                 self.unsupported[number] = unsupported
         return _answered("\n".join(parts))
 
-    def _explanation_rules(self, number: int, rules: Sequence[Rule]) -> "_Written":
-        """Return the explanation rules of a rule, and its unsupported construct or None."""
+    def _explanation_rules(self, number: int, text: str) -> "_Written":
+        """Return the explanation rules of a rule, and its untraceable construct or None."""
         # Variants of a statement that differ in a pool share their groups.
         lines = dict.fromkeys(
-            line for s in rules[number].ast.unpool() for line in self._firing_rule(number, s)
+            line for each in variants(text) for line in self._firing_rule(number, each)
         )
         return "\n".join(lines), self.unsupported.get(number)
 
-    def _firing_rule(self, number: int, statement: ast.AST) -> Iterator[str]:
+    def _firing_rule(self, number: int, statement: SyntaxNode) -> Iterator[str]:
         if statement.head.ast_type not in _HEADS:
             self.unsupported[number] = str(statement.head.ast_type)
             return
         for head, condition in atoms_of_head(statement):
             terms, literals = Terms(), (*statement.body, *condition)
             shown = terms.atom(head.atom.symbol, fresh_complex=True)
-            found = variables_of((head, *Terms.definitions_of(literals)))
-            names = {name for name in found if not name.startswith(OWN)}
+            found = names_in(head).union(*map(names_in, Terms.definitions_of(literals)))
+            names = {name for name in found if not name.startswith(_OWN)}
             query = [asking(shown)]
             yield from self.instance(number, _NUMBER, shown, query, literals, terms, names)
 
@@ -135,7 +134,7 @@ class Rewriter:
         tag: str,
         shown: str,
         conditions: Iterable[str],
-        literals: Sequence[ast.AST],
+        literals: Sequence[SyntaxNode],
         terms: "Terms",
         names: Iterable[str],
         ask: bool = True,
@@ -154,28 +153,28 @@ class Rewriter:
         absent: list[str] = []
         rest: list[str] = []
         counting: list[str] = []
-        counted: list[ast.AST] = []
+        counted: list[SyntaxNode] = []
         for literal in literals:
-            if literal.ast_type == _TYPE.ConditionalLiteral:
+            if literal.ast_type == Kind.ConditionalLiteral:
                 counting.append(self.renamed(literal))
                 counted.append(literal)
-            elif literal.ast_type != _TYPE.Literal:
+            elif literal.ast_type != Kind.Literal:
                 self.unsupported[number] = str(literal.ast_type)
-            elif literal.atom.ast_type == _TYPE.SymbolicAtom:
+            elif literal.atom.ast_type == Kind.SymbolicAtom:
                 self._symbolic(literal, terms, premises, absent, rest)
             elif literal.atom.ast_type in AGGREGATES:
                 counting.append(self.renamed(literal))
-                if literal.sign == ast.Sign.NoSign:
+                if literal.sign == Sign.NoSign:
                     counted.append(literal.atom)
             else:
                 rest.append(self.renamed(literal))
-                if literal.atom.ast_type == _TYPE.TheoryAtom:
+                if literal.atom.ast_type == Kind.TheoryAtom:
                     self.unsupported[number] = "a theory atom"
         if tests is not None:
             counting = list(tests)
         elif counting and any(_is_projected(literal) for literal in literals):
             body = "; ".join((*before, *map(self.renamed, literals)))
-            shared = sorted(global_variables((), literals) | variables_of(before))
+            shared = sorted(global_names(literals).union(*map(variables_in, before)))
             holds = f"_b{place}({','.join((term_text(body), *shared))})"
             yield f"{holds} :- {body}."
             counting = [holds]
@@ -186,7 +185,8 @@ class Rewriter:
             f"a({','.join(absent)})",
             _values_term(sorted(names)),
         )
-        keys = [group_key(rule, group, variables_of(message)) for group in counted]
+        outside = frozenset[str]().union(*map(variables_in, message))
+        keys = [group_key(rule, group, outside) for group in counted]
         needed = [
             f"g({','.join(needed_of(group, terms.named))},{key})"
             for group, key in zip(counted, keys, strict=True)
@@ -198,24 +198,24 @@ class Rewriter:
             yield from (f"{asking(term)} :- {firing}." for _, term in premises)
         for group, key in zip(counted, keys, strict=True):
             yield f"_g{place}({key}) :- {firing}."
-            for element in elements_of(group):
+            for element in counted_elements(group):
                 yield from self._element(place, key, ask, *element)
 
     def _symbolic(
         self,
-        literal: ast.AST,
+        literal: SyntaxNode,
         terms: "Terms",
         premises: list[tuple[str, str]],
         absent: list[str],
         rest: list[str],
     ) -> None:
         symbol = literal.atom.symbol
-        if literal.sign == ast.Sign.NoSign:
+        if literal.sign == Sign.NoSign:
             shown = terms.atom(symbol)
             premises.append((self.source(shown, symbol), shown))
             return
         shown, pattern = terms.negated(symbol)
-        sign = "not" if literal.sign == ast.Sign.Negation else "not not"
+        sign = "not" if literal.sign == Sign.Negation else "not not"
         rest.append(f"{sign} {self.source(shown, symbol)}")
         absent.append(pattern if sign == "not" else f"_not({pattern})")
 
@@ -225,8 +225,8 @@ class Rewriter:
         key: str,
         ask: bool,
         element_key: str,
-        required: Sequence[ast.AST],
-        optional: Sequence[ast.AST],
+        required: Sequence[SyntaxNode],
+        optional: Sequence[SyntaxNode],
     ) -> Iterator[str]:
         terms = Terms("E")
         premises: list[tuple[str, str]] = []
@@ -235,7 +235,7 @@ class Rewriter:
         rest: list[str] = []
         for literals, found in ((required, premises), (optional, others)):
             for literal in literals:
-                if literal.atom.ast_type == _TYPE.SymbolicAtom:
+                if literal.atom.ast_type == Kind.SymbolicAtom:
                     self._symbolic(literal, terms, found, absent, rest)
                 else:
                     rest.append(str(literal))
@@ -250,15 +250,25 @@ class Rewriter:
         if ask:
             yield from (f"{asking(term)} :- {element}." for _, term in (*premises, *others))
 
-    def source(self, shown: str, symbol: ast.AST) -> str:
+    def source(self, shown: str, symbol: SyntaxNode) -> str:
         """Return the atom to read for a premise: its copy if the predicate is open."""
         if _signature(symbol) not in self.open:
             return shown
         return f"-_t_{shown[1:]}" if shown.startswith("-") else f"_t_{shown}"
 
-    def renamed(self, literal: ast.AST) -> str:
+    def renamed(self, literal: SyntaxNode) -> str:
         """Return the text of a literal, with each open predicate `h` renamed to `_t_h`."""
-        return str(_Renaming(self.open)(literal)) if self.open else str(literal)
+        if not self.open:
+            return str(literal)
+
+        def rename(tree: Tree) -> Tree:
+            if tree.ast_type != Kind.SymbolicAtom or tree.symbol.ast_type != Kind.Function:
+                return tree
+            if _signature(tree.symbol) not in self.open:
+                return tree
+            return tree.update(symbol=tree.symbol.update(name=f"_t_{tree.symbol.name}"))
+
+        return str(changed(literal, rename))
 
 
 def _answered(text: str) -> str:
@@ -266,19 +276,6 @@ def _answered(text: str) -> str:
     answered = set(_ANSWERING.findall(text))
     lines = ((_ASKING.match(line), line) for line in text.split("\n"))
     return "\n".join(line for asks, line in lines if asks is None or asks[0] in answered)
-
-
-class _Renaming(ast.Transformer):
-    """Replaces open predicates by their copies."""
-
-    def __init__(self, opened: Set[Signature]) -> None:
-        self.opened = opened
-
-    def visit_SymbolicAtom(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
-        symbol = node.symbol
-        if symbol.ast_type == _TYPE.Function and _signature(symbol) in self.opened:
-            return node.update(symbol=symbol.update(name=f"_t_{symbol.name}"))
-        return node
 
 
 class Terms:
@@ -295,28 +292,28 @@ class Terms:
         self._count += 1
         return f"_{self.prefix}{self._count}"
 
-    def atom(self, symbol: ast.AST, fresh_complex: bool = False) -> str:
+    def atom(self, symbol: SyntaxNode, fresh_complex: bool = False) -> str:
         """Return an atom as text, whose arguments can be matched with those of evaluated atoms."""
         sign, symbol = sign_and_function(symbol)
         found = [self._matching_term(argument, fresh_complex) for argument in symbol.arguments]
         return function_text(f"{sign}{symbol.name}", found)
 
-    def negated(self, symbol: ast.AST) -> tuple[str, str]:
+    def negated(self, symbol: SyntaxNode) -> tuple[str, str]:
         """Return the text of a negated atom for a rule body, and its text as a pattern."""
         sign, symbol = sign_and_function(symbol)
         named = [self.named(argument) for argument in symbol.arguments]
         name, pattern = f"{sign}{symbol.name}", [_anonymous(argument) for argument in named]
         return function_text(name, list(map(str, named))), function_text(name, pattern)
 
-    def named(self, term: ast.AST) -> ast.AST:
+    def named(self, term: SyntaxNode) -> SyntaxNode:
         """Return a term, or for an interval a new variable that is equal to it."""
         if ".." not in bare(term):
             return term
         name = self.fresh()
         self.equations.append(f"{name} = {term}")
-        return ast.Variable(term.location, name)
+        return term_of(name)
 
-    def _matching_term(self, term: ast.AST, fresh_complex: bool) -> str:
+    def _matching_term(self, term: SyntaxNode, fresh_complex: bool) -> str:
         text = bare(term)
         if text == "_":
             return self.fresh()
@@ -324,29 +321,55 @@ class Terms:
             name = self.fresh()
             self.equations.append(f"{name} = {term}")
             return name
-        if _ANONYMOUS.search(text) and term.ast_type == _TYPE.Function:
+        if _ANONYMOUS.search(text) and term.ast_type == Kind.Function:
             inner = [self._matching_term(argument, fresh_complex) for argument in term.arguments]
             return function_text(term.name, inner)
         return str(term)
 
     @staticmethod
-    def definitions_of(literals: Iterable[ast.AST]) -> list[ast.AST]:
+    def definitions_of(literals: Iterable[SyntaxNode]) -> list[SyntaxNode]:
         """Return the literals and guards whose variables a firing records."""
-        found = []
+        found: list[SyntaxNode] = []
         for literal in literals:
-            if literal.ast_type != _TYPE.Literal or literal.sign != ast.Sign.NoSign:
+            if literal.ast_type != Kind.Literal or literal.sign != Sign.NoSign:
                 continue
             atom = literal.atom
-            if atom.ast_type in AGGREGATES:
-                found += guards(atom)
-            else:
-                found.append(literal)
+            found += guards_of(atom) if atom.ast_type in AGGREGATES else (literal,)
         return found
 
 
-def _signature(symbol: ast.AST) -> Signature:
+def _signature(symbol: SyntaxNode) -> Signature:
     _, symbol = sign_and_function(symbol)
     return Signature(symbol.name, len(symbol.arguments))
+
+
+def bare(node: SyntaxNode | str) -> str:
+    """Return a node's text without its strings."""
+    return _STRING.sub('""', str(node))
+
+
+def variables_in(text: str) -> set[str]:
+    """Return the names of the variables in the text of terms, except anonymous ones."""
+    return set(_VARIABLE.findall(bare(text)))
+
+
+def atoms_of_head(statement: SyntaxNode) -> Iterator[tuple[SyntaxNode, Sequence[SyntaxNode]]]:
+    """Yield the literals of atoms that a rule's head can give, each with its own condition.
+
+    Callers move the condition into the body. Its local variables that clash with local variables
+    there are renamed, with the prefix `_OWN`.
+    """
+    head = statement.head
+    found = [(entries[-1], condition) for entries, condition in elements_of(head)]
+    shared = frozenset[str]()
+    if any(condition for _, condition in found):
+        outside = global_names((head, *statement.body))
+        shared = shared.union(*map(names_in, statement.body)) - outside
+    for literal, condition in found:
+        if literal.atom.ast_type == Kind.SymbolicAtom:
+            clashing = shared & frozenset[str]().union(*map(names_in, (literal, *condition)))
+            own = {name: f"{_OWN}{name}" for name in clashing}
+            yield with_variables(literal, own), [with_variables(each, own) for each in condition]
 
 
 def asking(shown: str) -> str:
@@ -367,109 +390,18 @@ def _values_term(names: Sequence[str]) -> str:
     return f"v({','.join((f'n({quoted})' if names else 'n', *names))})"
 
 
-_ANONYMOUS = re.compile(r"(?<![\w'])_(?![\w'])")
-#: An operator, in the text of a term without its strings.
-OPERATOR = re.compile(r"[-+*/\\&?^~|]|\.\.")
-
-
-def _anonymous(term: ast.AST) -> str:
+def _anonymous(term: SyntaxNode) -> str:
     text = bare(term)
     if text == "_":
         return "_any"
-    if _ANONYMOUS.search(text) and term.ast_type == _TYPE.Function:
+    if _ANONYMOUS.search(text) and term.ast_type == Kind.Function:
         return function_text(term.name, list(map(_anonymous, term.arguments)))
     return str(term)
 
 
-def _is_projected(literal: ast.AST) -> bool:
+def _is_projected(literal: SyntaxNode) -> bool:
     """Whether a literal contains `_`, which clingo projects out before it counts."""
-    if literal.ast_type != _TYPE.Literal or literal.sign != ast.Sign.NoSign:
+    if literal.ast_type != Kind.Literal or literal.sign != Sign.NoSign:
         return False
-    symbolic = literal.atom.ast_type == _TYPE.SymbolicAtom
+    symbolic = literal.atom.ast_type == Kind.SymbolicAtom
     return symbolic and _ANONYMOUS.search(bare(literal)) is not None
-
-
-#: The predicate of instances that are not left open.
-ON = "_conflict_on"
-
-
-def instance_variables(statement: ast.AST) -> list[str]:
-    """Return the global variables of a statement, sorted."""
-    head = statement.head
-    if head.ast_type in (_TYPE.Aggregate, _TYPE.HeadAggregate):
-        return sorted(global_variables(guards(head), statement.body))
-    own = [head] if head.ast_type == _TYPE.Literal else []
-    return sorted(global_variables(own, statement.body))
-
-
-def is_forced_atom(head: ast.AST) -> bool:
-    """Whether a head is a single atom that the rule forces, not a choice."""
-    is_literal = head.ast_type == _TYPE.Literal and head.sign == ast.Sign.NoSign
-    return is_literal and head.atom.ast_type == _TYPE.SymbolicAtom
-
-
-def open_rules(statement: ast.AST, number: int) -> Iterator[str]:
-    """Yield rules that are equivalent to a statement but can be switched off by instance."""
-    head, terms = statement.head, Terms()
-    body = [*map(str, statement.body)]
-    text, key, choice = str(head), "none", None
-    if is_forced_atom(head):
-        text = key = choice = terms.atom(head.atom.symbol, fresh_complex=True)
-        body += terms.equations
-    elif head.ast_type in (_TYPE.Aggregate, _TYPE.HeadAggregate):
-        if head.left_guard is None and head.right_guard is None:
-            yield str(statement)
-            return
-    if choice is None and head.ast_type != _TYPE.Literal:
-        found = (
-            f"{atom}{' : ' if condition else ''}{', '.join(map(str, condition))}"
-            for atom, condition in atoms_of_head(statement)
-        )
-        choice = "; ".join(found)
-    on = f"{ON}({number},{key},v({','.join(instance_variables(statement))}))"
-    yield f"{text} :- {'; '.join([*body, on])}."
-    if choice is not None:
-        yield f"{{ {choice} }} :- {'; '.join([*body, f'not {on}'])}."
-    yield f"#external {on} : {'; '.join(body)}." if body else f"#external {on}."
-
-
-class _Valued(ast.Transformer):
-    """Replaces global variables by values, and evaluates arithmetic."""
-
-    def __init__(self, values: Mapping[str, clingo.Symbol]) -> None:
-        self._values_term = values
-
-    def visit_Variable(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
-        """Return the value of a variable, or the variable if it has none."""
-        value = self._values_term.get(node.name)
-        return node if value is None else ast.SymbolicTerm(node.location, value)
-
-    def visit_BinaryOperation(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
-        return self._computed(node)
-
-    def visit_UnaryOperation(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
-        return self._computed(node)
-
-    def _computed(self, node: ast.AST) -> ast.AST:
-        inside = node.update(**self.visit_children(node))
-        try:
-            return ast.SymbolicTerm(node.location, clingo.parse_term(str(inside)))
-        except RuntimeError:
-            return inside
-
-
-def ground_text(
-    statement: ast.AST, head: clingo.Symbol, values: Mapping[str, clingo.Symbol]
-) -> str:
-    """Return the text of a ground instance of a statement, without true comparisons."""
-    names = set(values)
-    valued = _Valued(values)
-    body = []
-    for literal in statement.body:
-        is_test = literal.ast_type == _TYPE.Literal and literal.atom.ast_type == _TYPE.Comparison
-        if not is_test or global_variables((), (literal,)) - names:
-            body.append(str(valued(literal)))
-    shown_head = str(head) if is_forced_atom(statement.head) else str(valued(statement.head))
-    shown_head = "" if shown_head == "#false" else shown_head
-    after = f":- {', '.join(body)}" if body or not shown_head else ""
-    return f"{' '.join(filter(None, (shown_head, after)))}."

@@ -25,25 +25,33 @@ from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass
 
 import clingo
-from clingo import ast
 
 from mars_asp.asp.rules.rule import Rule
-from mars_asp.asp.rules.statements import sign_and_function, tree
+from mars_asp.asp.rules.statements import literal_of, sign_and_function, variants
+from mars_asp.asp.rules.trees import (
+    AGGREGATES,
+    FUNCTIONS,
+    Kind,
+    Sign,
+    SyntaxNode,
+    global_names,
+    names_in,
+    with_variables,
+)
 from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.solve.atoms import function_text
-from mars_asp.asp.trace.firing_rules import OPERATOR, QUESTION, Rewriter, Terms
-from mars_asp.asp.trace.literal_order import in_order, needs, provided
-from mars_asp.asp.trace.patterns import has_holes, is_hole, pattern_term
-from mars_asp.asp.trace.scope import (
-    AGGREGATES,
-    Renamed,
+from mars_asp.asp.trace.firing_rules import (
+    OPERATOR,
+    QUESTION,
+    Rewriter,
+    Terms,
     atoms_of_head,
     bare,
-    global_variables,
-    variables_of,
+    variables_in,
 )
+from mars_asp.asp.trace.literal_order import in_order, needs, provided
+from mars_asp.asp.trace.patterns import has_holes, is_hole, pattern_term
 
-_TYPE = ast.ASTType
 #: The query predicate for near misses: `NEAR(index, w(Parts))`.
 NEAR = f"_near{QUESTION}"
 #: The query predicate for the missing term of a candidate: `LACKING(number, values in question)`.
@@ -87,7 +95,7 @@ class NearMisses:
     def text(self, rule: Rule, number: int, pattern: clingo.Symbol, index: int) -> str:
         """Return rules that find near misses of a rule; `index` is that of the pattern."""
         lines: list[str] = []
-        for statement in rule.ast.unpool():
+        for statement in variants(rule.text):
             for head, condition in atoms_of_head(statement):
                 symbol, literals = head.atom.symbol, (*statement.body, *condition)
                 lines += self._misses(rule, number, symbol, literals, pattern, index)
@@ -97,17 +105,17 @@ class NearMisses:
         self,
         rule: Rule,
         number: int,
-        head: ast.AST,
-        literals: Sequence[ast.AST],
+        head: SyntaxNode,
+        literals: Sequence[SyntaxNode],
         pattern: clingo.Symbol,
         index: int,
     ) -> Iterator[str]:
         match = _Match()
         if not match.atom(head, pattern):
             return
-        tests = [tree(f"x :- {test}.").body[0] for test in match.tests]
+        tests = [literal_of(test) for test in match.tests]
         literals = (*tests, *literals)
-        shared = global_variables((head,), literals)
+        shared = names_in(head) | global_names(literals)
         query = f"{NEAR}({index},w({','.join(match.arguments)}))"
         # An absent fact ends the search, so facts come before derived atoms.
         literals = (
@@ -118,13 +126,13 @@ class NearMisses:
         matched = [test for test, _ in in_order(tests, match.bound, shared)]
         bound = match.bound.union(*(needs(test, shared) for test in matched))
         for before_it, literal in enumerate(literals):
-            is_positive = self._is_given(literal) and literal.sign == ast.Sign.NoSign
+            is_positive = self._is_given(literal) and literal.sign == Sign.NoSign
             if is_positive and OPERATOR.search(bare(literal)) is None:
                 # No value at all satisfies the literal, whatever the other literals are.
                 kept = 2 * len(literals) - before_it
                 candidate = Candidate(index, number, match.shown(literal), kept, True)
-                any_value = Renamed(dict.fromkeys(variables_of((literal,)) - bound, "_"))
-                test = self._rewriter.renamed(any_value(literal).update(sign=ast.Sign.Negation))
+                any_value = with_variables(literal, dict.fromkeys(names_in(literal) - bound, "_"))
+                test = self._rewriter.renamed(any_value.updated(sign=Sign.Negation))
                 yield from self._candidate(candidate, literal, query, matched, bound, shared, test)
         for place, (literal, before) in enumerate(order):
             first = [other for other, _ in order[:place]]
@@ -141,7 +149,7 @@ class NearMisses:
                 candidate = Candidate(index, number, fails, place, True)
                 rest = [other for other, _ in around]
                 yield from self._candidate(candidate, literal, query, rest, bound, shared)
-        offers = rule.is_choice or rule.ast.head.ast_type == _TYPE.Disjunction
+        offers = rule.is_choice or rule.node.head.ast_type == Kind.Disjunction
         if offers and len(order) == len(literals):
             candidate = Candidate(index, number, None, len(order), True)
             every = [literal for literal, _ in order]
@@ -151,9 +159,9 @@ class NearMisses:
     def _candidate(
         self,
         candidate: Candidate,
-        left_out: ast.AST | None,
+        left_out: SyntaxNode | None,
         query: str,
-        kept: Sequence[ast.AST],
+        kept: Sequence[SyntaxNode],
         bound: Set[str],
         shared: Set[str],
         *more: str,
@@ -163,7 +171,7 @@ class NearMisses:
         tests = [*tests, *more]
         body, counting, rules = self._counted_apart(query, (*kept, *joined), shared)
         yield from rules
-        several = variables_of((lack, *tests)) - bound
+        several = variables_in(lack).union(*map(variables_in, tests)) - bound
         # A term such as `X + 1` can be undefined, and then there is no atom to read.
         if left_out is not None and not joined and (several or OPERATOR.search(bare(lack))):
             element = f"{lack} : {', '.join((*tests, *terms.equations))}"
@@ -180,16 +188,16 @@ class NearMisses:
             candidate.rule, tag, "none", before, literals, terms, names, False, counting
         )
 
-    def _is_given(self, literal: ast.AST) -> bool:
+    def _is_given(self, literal: SyntaxNode) -> bool:
         """Whether a literal is of a predicate that only facts define."""
-        if literal.ast_type != _TYPE.Literal or literal.atom.ast_type != _TYPE.SymbolicAtom:
+        if literal.ast_type != Kind.Literal or literal.atom.ast_type != Kind.SymbolicAtom:
             return False
         _, function = sign_and_function(literal.atom.symbol)
         signature = Signature(function.name, len(function.arguments))
         return signature not in self._derived
 
     def _counted_apart(
-        self, query: str, literals: Sequence[ast.AST], shared: Set[str]
+        self, query: str, literals: Sequence[SyntaxNode], shared: Set[str]
     ) -> tuple[list[str], list[str], list[str]]:
         """Return a body with separate tests for aggregates, these tests, and the rules for them.
 
@@ -198,11 +206,11 @@ class NearMisses:
         """
         place = f"{QUESTION}_{len(self.candidates)}"
         body, counting, rules = [query], list[str](), list[str]()
-        bound = variables_of((query,))
+        bound = variables_in(query)
         for number, literal in enumerate(literals):
-            named = variables_of((literal,)) & {*shared, _VALUE}
+            named = names_in(literal) & {*shared, _VALUE}
             text = self._rewriter.renamed(literal)
-            if literal.ast_type == _TYPE.ConditionalLiteral or literal.atom.ast_type in AGGREGATES:
+            if literal.ast_type == Kind.ConditionalLiteral or literal.atom.ast_type in AGGREGATES:
                 before = f"_d{place}_{number}({','.join(sorted(named & bound))})"
                 test = f"_c{place}_{number}({','.join(sorted(named))})"
                 rules += (f"{before} :- {'; '.join(body)}.", f"{test} :- {before}; {text}.")
@@ -220,8 +228,8 @@ class NearMisses:
         return f"_s{QUESTION}_{rule}(near({number},{_LACK}),none,p,a,v(n)) :- {query}; {least}."
 
     def _instead(
-        self, literal: ast.AST | None, terms: Terms, bound: set[str]
-    ) -> tuple[tuple[ast.AST, ...], str, list[str]]:
+        self, literal: SyntaxNode | None, terms: Terms, bound: set[str]
+    ) -> tuple[tuple[SyntaxNode, ...], str, list[str]]:
         """Return the literals in place of a failing literal, its missing term, and further tests.
 
         The term is `no(P)` for an absent pattern P, `holds(A)` for an atom A that should not hold,
@@ -230,31 +238,32 @@ class NearMisses:
         """
         if literal is None:
             return (), "taken", []
-        if literal.ast_type == _TYPE.ConditionalLiteral:
+        if literal.ast_type == Kind.ConditionalLiteral:
             inner, condition = literal.literal, literal.condition
-            known = bound | variables_of(condition)
-            if inner.atom.ast_type != _TYPE.SymbolicAtom or variables_of((inner,)) - known:
+            known = bound.union(*map(names_in, condition))
+            if inner.atom.ast_type != Kind.SymbolicAtom or names_in(inner) - known:
                 return (), "test", []
             _, lack, tests = self._instead(inner, terms, known)
             if lack.startswith("no("):
-                tests = [self._rewriter.renamed(inner.update(sign=ast.Sign.Negation))]
+                tests = [self._rewriter.renamed(inner.updated(sign=Sign.Negation))]
             return (), lack, [*map(self._rewriter.renamed, condition), *tests]
-        if literal.atom.ast_type == _TYPE.SymbolicAtom:
+        if literal.atom.ast_type == Kind.SymbolicAtom:
             symbol = literal.atom.symbol
-            if literal.sign == ast.Sign.Negation:
+            if literal.sign == Sign.Negation:
                 shown = terms.atom(symbol)
                 return (), f"holds({shown})", [self._rewriter.source(shown, symbol)]
             sign, function = sign_and_function(symbol)
             named = [terms.named(argument) for argument in function.arguments]
-            bound |= variables_of(named) - variables_of(function.arguments)
+            bound |= frozenset[str]().union(*map(names_in, named)) - names_in(function)
             parts = [pattern_term(argument, bound) for argument in named]
             return (), f"no({function_text(f'{sign}{function.name}', parts)})", []
         if literal.atom.ast_type not in AGGREGATES:
             return (), "test", []
-        value = ast.Variable(literal.location, _VALUE)
-        guard = ast.Guard(ast.ComparisonOperator.Equal, value)
-        atom = literal.atom.update(left_guard=guard, right_guard=None)
-        return (literal.update(atom=atom, sign=ast.Sign.NoSign),), f"value({_VALUE})", []
+        elements = "; ".join(map(str, literal.atom.elements))
+        is_set = literal.atom.ast_type is Kind.Aggregate
+        function = "" if is_set else f"#{FUNCTIONS[literal.atom.function].replace('plus', '+')} "
+        valued = literal_of(f"{_VALUE} = {function}{{ {elements} }}")
+        return (valued,), f"value({_VALUE})", []
 
 
 class _Match:
@@ -268,7 +277,7 @@ class _Match:
         #: The text of the pattern for each new variable.
         self._meant: dict[str, str] = {}
 
-    def atom(self, head: ast.AST, pattern: clingo.Symbol) -> bool:
+    def atom(self, head: SyntaxNode, pattern: clingo.Symbol) -> bool:
         """Match the head with the pattern; return False if they cannot match."""
         sign, function = sign_and_function(head)
         kind = Signature(function.name, len(function.arguments), not sign)
@@ -276,7 +285,7 @@ class _Match:
             return False
         return all(map(self._term, function.arguments, pattern.arguments))
 
-    def shown(self, literal: ast.AST) -> str:
+    def shown(self, literal: SyntaxNode) -> str:
         """Return a literal as text, with the pattern's texts in place of new variables."""
         return _MADE_UP.sub(lambda name: self._meant[name[0]], str(literal))
 
@@ -285,7 +294,7 @@ class _Match:
         self._meant[name] = meant
         return name
 
-    def _term(self, term: ast.AST, pattern: clingo.Symbol) -> bool:
+    def _term(self, term: SyntaxNode, pattern: clingo.Symbol) -> bool:
         if is_hole(pattern):
             name = pattern.arguments[0].string
             if name != "_" and self._holes.setdefault(name, str(term)) != str(term):
@@ -294,18 +303,18 @@ class _Match:
         if not has_holes(pattern):
             self.arguments.append(self._fixed(term, pattern))
             return True
-        if term.ast_type == _TYPE.Variable:
+        if term.ast_type == Kind.Variable:
             self.tests.append(f"{term.name} = {self._skeleton(pattern)}")
             return True
-        if term.ast_type != _TYPE.Function:
+        if term.ast_type != Kind.Function:
             return False
         same = (term.name, len(term.arguments)) == (pattern.name, len(pattern.arguments))
         return same and all(map(self._term, term.arguments, pattern.arguments))
 
-    def _fixed(self, term: ast.AST, pattern: clingo.Symbol) -> str:
+    def _fixed(self, term: SyntaxNode, pattern: clingo.Symbol) -> str:
         """Return the variable or term for a subterm of the pattern without holes."""
-        plain = term.ast_type in (_TYPE.Variable, _TYPE.SymbolicTerm, _TYPE.Function)
-        names = variables_of((term,))
+        plain = term.ast_type in (Kind.Variable, Kind.SymbolicTerm, Kind.Function)
+        names = names_in(term)
         if plain and provided(term) == names and ".." not in str(term):
             self.bound |= names
             return str(term)

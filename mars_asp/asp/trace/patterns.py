@@ -4,11 +4,10 @@ A hole is the term `_any("X")` for any value; holes of one name have one value, 
 """
 
 import clingo
-from clingo import ast
 
 from mars_asp.asp.rules.statements import parsed
+from mars_asp.asp.rules.trees import Kind, Sign, SyntaxNode, names_in, plain
 from mars_asp.asp.solve.atoms import function_text
-from mars_asp.asp.trace.scope import variables_of
 
 _HOLE = "_any"
 _FUNCTION = clingo.SymbolType.Function
@@ -79,50 +78,49 @@ def fits(
     )
 
 
-def pattern_term(term: ast.AST, bound: set[str]) -> str:
+def pattern_term(term: SyntaxNode, bound: set[str]) -> str:
     """Return a term's text as a pattern; parts with unbound variables become holes."""
-    names = variables_of((term,))
+    names = names_in(term)
     anonymous = "_" in str(term) and pattern_is_open(term)
     if names <= bound and not anonymous:
         return str(term)
-    if term.ast_type == ast.ASTType.Function:
+    if term.ast_type == Kind.Function:
         return function_text(term.name, [pattern_term(each, bound) for each in term.arguments])
     return f"{_HOLE}({clingo.String(str(term))})"
 
 
-def pattern_is_open(term: ast.AST) -> bool:
+def pattern_is_open(term: SyntaxNode) -> bool:
     """Whether a term contains an anonymous variable."""
-    if term.ast_type == ast.ASTType.Variable:
+    if term.ast_type == Kind.Variable:
         return bool(term.name == "_")
-    return term.ast_type == ast.ASTType.Function and any(map(pattern_is_open, term.arguments))
+    return term.ast_type == Kind.Function and any(map(pattern_is_open, term.arguments))
 
 
 def pattern_in(text: str) -> clingo.Symbol | None:
     """Return the pattern in a user's text, such as `reach(X)`; None if it is not an atom."""
     try:
-        (rule,) = parsed(f"{text}.")[1:]
-        if rule.body or rule.head.sign != ast.Sign.NoSign:
+        (rule,) = map(plain, parsed(f"{text}.")[1:])
+        if rule.body or rule.head.sign != Sign.NoSign:
             return None
         return pattern_of(rule.head.atom.symbol)
     except (RuntimeError, ValueError, AttributeError):
         return None
 
 
-def pattern_of(term: ast.AST) -> clingo.Symbol:
+def pattern_of(term: SyntaxNode) -> clingo.Symbol:
     """Return the pattern of an atom that a user writes; its variables become holes.
 
     Raises:
         ValueError: the term holds arithmetic, an interval or a pool.
     """
-    kind = ast.ASTType
-    if term.ast_type == kind.Variable:
+    if term.ast_type == Kind.Variable:
         return hole(term.name)
-    if term.ast_type == kind.SymbolicTerm:
+    if term.ast_type == Kind.SymbolicTerm:
         symbol: clingo.Symbol = term.symbol
         return symbol
-    if term.ast_type == kind.Function:
+    if term.ast_type == Kind.Function:
         return clingo.Function(term.name, [pattern_of(argument) for argument in term.arguments])
-    if term.ast_type == kind.UnaryOperation:
+    if term.ast_type == Kind.UnaryOperation:
         inner = pattern_of(term.argument)
         if inner.type == clingo.SymbolType.Number:
             return clingo.Number(-inner.number)

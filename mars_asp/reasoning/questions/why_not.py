@@ -370,7 +370,7 @@ def _node_of(kind: str, rulebook: Rulebook) -> clingo.Symbol:
     for rule in rulebook.of_packs:
         if not rule.derives(_INSERTED):
             continue
-        symbol = getattr(getattr(rule.ast.head, "atom", None), "symbol", None)
+        symbol = getattr(getattr(rule.node.head, "atom", None), "symbol", None)
         node, of_kind = (None, kind) if symbol is None else symbol.arguments
         if str(of_kind) == kind:
             name, arguments = getattr(node, "name", ""), getattr(node, "arguments", ())
