@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from fractions import Fraction
-from functools import cached_property
 from typing import NamedTuple, get_args
 
 from mars_asp.annotations.representations import RepresentationNames, canonical_names
@@ -37,7 +36,6 @@ from mars_asp.reasoning.facts.identifiers import (
     ANY,
     NONE,
     PERIODIC,
-    annotations_of,
     hold_term,
     mode_term,
     numbered,
@@ -76,7 +74,8 @@ def configuration_facts(
     annotations have the integers that follow. `wanted` restricts the predicates. `naming` has the
     ports, rates and representations of another configuration, which are used instead.
     """
-    return Compiler(configuration, modules or {}, wanted, naming).compile()
+    facts = Compiler(configuration, modules or {}, naming).compile()
+    return tuple(fact for fact in facts if wanted is None or fact.atom.name in wanted)
 
 
 def representation_names(
@@ -90,22 +89,6 @@ def _names(described: Mapping[str, Module]) -> RepresentationNames:
     return canonical_names(sorted(set(representations(described.values()))))
 
 
-#: The predicates of the facts of the architecture, modules, relationships and annotations.
-HEADING = frozenset(
-    {"architecture", "imported", "period", "muxed", "opaque", "absent_file", "builds"}
-)
-MODULES = frozenset({"module", "node", "place"})
-RELATIONSHIPS = frozenset(
-    "place uses_data_from is_controlled_by is_mounted_on priority stated_priority hold allocation"
-    " required_mode required_rate".split()
-)
-WIRING = HEADING | MODULES | RELATIONSHIPS | {"in_words"}
-#: The predicates of ports, made together.
-PORTS = frozenset("output_of into in_turn input_of takes_in port_name near".split())
-ANNOTATIONS = frozenset(
-    "described class guard native place converts commands unknown_input input ambiguous_name"
-    " delivers output offered_mode offered_rate".split()
-)
 #: The predicates of the effects of mounts on motions.
 FRAMES = frozenset(
     "rooted appears appears_in_part lever_arm combines support shares circuit".split()
@@ -130,69 +113,55 @@ class Compiler:
         self,
         configuration: Configuration,
         modules: Mapping[str, Module],
-        wanted: Set[str] | None,
         naming: FactNaming | None = None,
     ) -> None:
         self.configuration = configuration
-        self.wanted = wanted
-        self.modules = modules
         self.facts: list[Fact] = []
-        self._naming = naming
-
-    @cached_property
-    def known(self) -> Mapping[str, Module]:
-        """Return all known modules, from `modules` and from blocks of the configuration."""
-        return self.configuration.with_declared(self.modules)
-
-    @cached_property
-    def described(self) -> Mapping[str, Module]:
-        """Return the modules that become facts, with their descriptions."""
-        return described_modules(self.configuration, self.modules)
-
-    @cached_property
-    def naming(self) -> FactNaming:
-        """Return the names of ports, rates and representations in facts."""
-        described = self.described
-        return self._naming or FactNaming(
-            ends_in(self.configuration, described),
-            rates_in(self.configuration, described),
-            _names(described),
+        #: All modules that `modules` and blocks of the configuration describe.
+        self.known = configuration.with_declared(modules)
+        #: The modules that become facts.
+        self.described = described_modules(configuration, modules)
+        self.numbered = numbered(configuration.relationships)
+        self.is_specification = naming is not None
+        self.naming = naming or FactNaming(
+            ends_in(configuration, self.described),
+            rates_in(configuration, self.described),
+            _names(self.described),
         )
-
-    @cached_property
-    def _called(self) -> Mapping[tuple[str, int], str]:
-        """Return the output names of modules with several, by module and `id` of the service."""
-        return {
+        #: The output names of modules with several, by module and `id` of the service.
+        self.called = {
             (name, id(module.services[number])): self.naming.ends.output(name, port)
             for name, module in self.described.items()
             if len(module.services) > 1
             for port, number in outputs(module).items()
         }
 
-    @cached_property
-    def numbered(self) -> Sequence[tuple[int, Relationship]]:
-        """Return the relationships with their identifiers."""
-        return numbered(self.configuration.relationships)
-
-    def compile(self) -> tuple[Fact, ...]:
-        """Return the wanted facts."""
-        parts = (
-            (self.heading, HEADING),
-            (self.each_module, MODULES),
-            (self.relationships, RELATIONSHIPS),
-            (self.annotations, ANNOTATIONS),
-            (self.missing_files, {"absent_file", "builds", "place"}),
-            (self.words, {"in_words"}),
-            (self.ports, PORTS),
-            (self.loose_ends, {"port_name", "near"}),
-            (self.exact_rates, {"rounded", "multiple", "below_period"}),
-            (self.resemblances, {"resembles"}),
-            (self.knots, {"closed_walk", "entangled", "spelt"}),
-        )
-        for tell, predicates in parts:
-            if self.wanted is None or self.wanted & predicates:
-                tell()
-        return tuple(self.facts)
+    def compile(self) -> Sequence[Fact]:
+        """Return the facts."""
+        ends, lines, described = self.naming.ends, self.numbered, self.described
+        self.heading()
+        self.each_module()
+        for number, relationship in lines:
+            self.relationship(number, relationship)
+        for module in described.values():
+            self.description(module)
+        annotations = list(numbered_annotations(self.configuration, described))
+        for number, module, annotation in annotations:
+            self.annotation(number, module, annotation)
+        self.missing_files(1 + len(lines) + len(annotations))
+        self.words()
+        self.facts += output_facts(self.configuration, ends)
+        self.facts += named_inputs(ends, lines)
+        # The facts of the configuration contain these already.
+        if not self.is_specification:
+            self.facts += input_facts(self.configuration, described, ends)
+            self.facts += turns(self.configuration, ends, lines)
+        canonical, rates = self.naming.names.canonical, self.naming.rates
+        self.facts += loose_ends(self.configuration, described, ends, lines, canonical)
+        self.facts += rounded_rates(self.configuration, ends, ends.services(described), rates)
+        self.resemblances()
+        self.facts += closed_walks(lines)
+        return self.facts
 
     def heading(self) -> None:
         """Add the architecture, the existing muxes, and the nodes that could not be read."""
@@ -209,12 +178,8 @@ class Compiler:
         for name in configuration.opaque:
             self.add(name.span, "opaque", name.text)
 
-    def missing_files(self) -> None:
-        """Add the missing files of nodes, with identifiers after all others."""
-        if not self.configuration.missing:
-            return
-        first = 1 + len(self.configuration.relationships)
-        first += sum(len(annotations_of(module)) for module in self.described.values())
+    def missing_files(self, first: int) -> None:
+        """Add the missing files of nodes, with identifiers from `first` on."""
         for number, file in enumerate(self.configuration.missing, first):
             self.add(file.span, "absent_file", number, file.module, file.key, file.path)
             self.place(number, file.span)
@@ -230,19 +195,6 @@ class Compiler:
                 kind = self.configuration.node_kind(name.text)
                 if kind and name.text not in self.described:
                     self.add(name.span, "node", name.text, Atom(kind))
-
-    def relationships(self) -> None:
-        """Add the relationships."""
-        for number, relationship in self.numbered:
-            self.relationship(number, relationship)
-
-    def annotations(self) -> None:
-        """Add the descriptions of modules, with their annotations."""
-        if self.wanted is None or not self.wanted.isdisjoint(("described", "class", "guard")):
-            for module in self.described.values():
-                self.description(module)
-        for number, module, annotation in numbered_annotations(self.configuration, self.described):
-            self.annotation(number, module, annotation)
 
     def description(self, module: Module) -> None:
         """Add the classes of a described module and its guard."""
@@ -261,14 +213,8 @@ class Compiler:
         self.place(number, annotation.span)
 
     def add(self, span: Span, name: str, *arguments: Term) -> None:
-        """Add a fact, if its predicate is wanted."""
-        if self.wanted is None or name in self.wanted:
-            self.facts.append(Fact(Atom(name, arguments), span))
-
-    def take(self, facts: Iterable[Fact]) -> None:
-        """Add those of some facts whose predicates are wanted."""
-        wanted = self.wanted
-        self.facts += (fact for fact in facts if wanted is None or fact.atom.name in wanted)
+        """Add a fact."""
+        self.facts.append(Fact(Atom(name, arguments), span))
 
     def place(self, identifier: Term, span: Span) -> None:
         """Add the location of the statement or annotation with an identifier."""
@@ -354,37 +300,16 @@ class Compiler:
     def offer(self, number: int, name: str, service: Service) -> None:
         """Add the output of the module `name`, with modes and rates; `number` identifies it."""
         span = service.span
-        name = self._called.get((name, id(service)), name)
+        name = self.called.get((name, id(service)), name)
         self.add(span, "delivers", number, name)
         if service.output is not None and service.output not in self.naming.names.ambiguous:
             self.add(span, "output", number, name, self.naming.names.canonical[service.output])
         self.candidates(number, name, service.output, span)
-        if self.wanted is not None and self.wanted.isdisjoint(("offered_mode", "offered_rate")):
-            return
         for index, mode in enumerate(service.modes):
             term = mode_term(mode)
             self.add(span, "offered_mode", number, index, term)
             if mode.name == PERIODIC and service.hz is not None:
                 self.add(span, "offered_rate", number, self.naming.rates.millihertz(service.hz))
-
-    def ports(self) -> None:
-        """Add the outputs of modules with several, and the inputs that lines use."""
-        self.take(output_facts(self.configuration, self.naming.ends))
-        self.take(named_inputs(self.naming.ends, self.numbered))
-        # The facts of the configuration contain these already if this is its specification.
-        if self._naming is None:
-            self.take(input_facts(self.configuration, self.described, self.naming.ends))
-            self.take(turns(self.configuration, self.naming.ends, self.numbered))
-
-    def loose_ends(self) -> None:
-        """Add the unconnected outputs, and the inputs for which each of them may be meant."""
-        ends, canonical = self.naming.ends, self.naming.names.canonical
-        self.take(loose_ends(self.configuration, self.described, ends, self.numbered, canonical))
-
-    def exact_rates(self) -> None:
-        """Add the rounded rates, with the comparisons that need the exact rates."""
-        services = self.naming.ends.services(self.described)
-        self.take(rounded_rates(self.configuration, self.naming.ends, services, self.naming.rates))
 
     def candidates(self, number: int, name: str, written: str | None, span: Span) -> None:
         """Add the possible meanings of a `written` representation, if it is ambiguous.
@@ -415,10 +340,6 @@ class Compiler:
 
     def _not_nodes(self, names: Set[str]) -> set[str]:
         return {name for name in names if self.configuration.node_kind(name) is None}
-
-    def knots(self) -> None:
-        """Add the cycles of relationships of one kind, with a shortest cycle each."""
-        self.take(closed_walks(self.numbered))
 
 
 def given(facts: Iterable[Fact]) -> Fragment:

@@ -37,7 +37,8 @@ def numbered_annotations(
     """Yield the annotations of described modules with their identifiers."""
     number = len(configuration.relationships)
     for module in described.values():
-        for annotation in annotations_of(module):
+        annotations: tuple[Service | Function, ...] = (*module.services, *module.functions)
+        for annotation in annotations:
             number += 1
             yield number, module, annotation
 
@@ -50,11 +51,6 @@ def annotation_numbers(
         (module.name, id(annotation)): (number, annotation.span)
         for number, module, annotation in numbered_annotations(configuration, described)
     }
-
-
-def annotations_of(module: Module) -> tuple[Service | Function, ...]:
-    """Return the annotations of a module in the order of their identifiers."""
-    return (*module.services, *module.functions)
 
 
 def mode_term(mode: Mode) -> Atom:
