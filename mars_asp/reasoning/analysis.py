@@ -19,7 +19,6 @@ from mars_asp.asp.messages import (
     labels,
     rendered_messages,
     saying,
-    shown,
     written,
 )
 from mars_asp.asp.rules.arithmetic import telling, wrapped
@@ -28,7 +27,8 @@ from mars_asp.asp.rules.expansions import Label
 from mars_asp.asp.rules.expansions import labels as labels_above
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.asp.solve.atoms import Atom, Fact, Term
+from mars_asp.asp.rules.symbols import symbol_of
+from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.grounding import Grounding, unsolved
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, atoms
 from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span
@@ -216,11 +216,10 @@ def read_consequences(
     wanted = set(keys.values())
     part_of = _collect(control, ("participant", 5), wanted) if participants else {}
     concerned = _collect(control, ("concerns", 4), wanted)
-    identifiers = {row[0] for rows in concerned.values() for row in rows}
     trees = _collect(control, ("holds_in", 4), wanted)
     conditions = _conditions(analysis, wanted)
     usual = _collect(control, ("by_default", 3), wanted)
-    span_of = _spans_by_identifier(analysis.facts, identifiers)
+    span_of = locations(analysis.facts)
     labels_of: dict[TermId, dict[Span, str]] = {}
     for label in labels(control, _STAGE, analysis.labelled) if analysis.labelled else ():
         if label.term in span_of:
@@ -351,38 +350,20 @@ def _collect(
     return rows
 
 
-def _spans_by_identifier(
-    facts: Iterable[Fact], identifiers: Iterable[TermId]
-) -> dict[TermId, Span]:
-    """Return the locations of the identified relationships, annotations and modules."""
-    wanted = {_sortable(as_symbol(identifier)): identifier for identifier in identifiers}
-    located = {"place": lambda atom: atom.arguments[0], "guard": lambda atom: atom}
-    return {
-        wanted[key]: fact.span
+def locations(facts: Iterable[Fact]) -> dict[TermId, Span]:
+    """Return the locations of relationships, annotations, modules, attributes and guards."""
+    located = {
+        fact.atom if fact.atom.name == "guard" else fact.atom.arguments[0]: fact.span
         for fact in facts
-        if (identifier := located.get(fact.atom.name)) is not None
-        and (key := _identifier(identifier(fact.atom))) in wanted
+        if fact.atom.name in ("place", "guard")
     }
+    return {as_term(symbol_of(thing)): span for thing, span in located.items()}
 
 
 def _unique_texts(rows: Sequence[Sequence[TermId]]) -> tuple[str, ...]:
     if len(rows) > 1:
         rows = sorted(rows, key=lambda row: (as_symbol(row[0]), str(as_symbol(row[1]))))
     return tuple(dict.fromkeys(written(row[1]) for row in rows))
-
-
-def _sortable(symbol: clingo.Symbol) -> int | str | tuple[str]:
-    if symbol.type == clingo.SymbolType.Function:
-        return (str(symbol),)
-    return symbol.number if symbol.type == clingo.SymbolType.Number else shown(symbol)
-
-
-def _identifier(term: Term) -> int | str | tuple[str]:
-    """Return the key by which the location of a term is looked up.
-
-    A compound term, such as an attribute, has a tuple as its key, unlike a module name.
-    """
-    return (str(term),) if isinstance(term, Atom) else term
 
 
 def _of_terms(make: Callable[[clingo.Symbol], _Value]) -> Callable[[TermId], _Value]:

@@ -18,16 +18,16 @@ from mars_asp.asp.rules.premises import fragment_of
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
-from mars_asp.asp.solve.atoms import Atom
+from mars_asp.asp.solve.atoms import Fact
 from mars_asp.asp.solve.grounding import Grounding
 from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, atoms, text
 from mars_asp.diagnostic import Span
 from mars_asp.model.rates import as_written
 from mars_asp.output import counted
-from mars_asp.reasoning.analysis import Consequence, Key
-from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations, plain
+from mars_asp.reasoning.analysis import Consequence, Key, locations
+from mars_asp.reasoning.facts.identifiers import plain
 from mars_asp.reasoning.facts.rates import Rates
-from mars_asp.reasoning.project import Project, has_mounts, identified
+from mars_asp.reasoning.project import Project, has_mounts
 from mars_asp.reasoning.questions.sharing import APART, Atoms, apart
 from mars_asp.reasoning.session import Evidence
 from mars_asp.reasoning.synthesis import IntroducedNode
@@ -76,12 +76,11 @@ class Account:
 class TermNames:
     """The texts of terms in sentences: locations of things, names of nodes, and rates.
 
-    `places` has relationships and annotations by their numbers, modules by their names, attributes
-    by their texts; `nodes` has names by the texts of terms. `modules` are in the order of the
-    configuration. `rates` converts numbers to rates.
+    `places` are the locations of things; `nodes` has names by the texts of terms. `modules` are in
+    the order of the configuration. `rates` converts numbers to rates.
     """
 
-    places: Mapping[int | str | tuple[str], Span]
+    places: Mapping[TermId, Span]
     configuration: Span
     nodes: Mapping[str, str]
     modules: Mapping[str, int]
@@ -109,7 +108,7 @@ class TermNames:
 
     def place(self, thing: TermId) -> Span:
         """Return the location of a relationship, annotation or module, or the configuration."""
-        return self._place(as_symbol(thing))
+        return self.places.get(thing, self.configuration)
 
     def order(self, term: TermId) -> "_Order":
         """Return the sort key of a term, by which modules have the order of the configuration."""
@@ -125,15 +124,8 @@ class TermNames:
             return 1, self.modules.get(symbol.string, len(self.modules)), symbol.string
         return 2, 0, str(symbol)
 
-    def _place(self, symbol: clingo.Symbol) -> Span:
-        if symbol.type == clingo.SymbolType.Number:
-            return self.places[symbol.number]
-        if symbol.type == clingo.SymbolType.String:
-            return self.places[symbol.string]
-        return self.places.get((str(symbol),), self.configuration)
-
     def _at(self, thing: clingo.Symbol) -> str:
-        return self.where(self._place(thing))
+        return self.where(self.place(as_term(thing)))
 
     def where(self, span: Span) -> str:
         """Return a location as `config.mars:3`, relative to the folder of the configuration.
@@ -364,7 +356,7 @@ def explanations_of(
         return []
     kinds = {thing.kind for thing in things}
     rules, deciding = speakers(evidence.rulebook, kinds), _deciding(evidence.rulebook, kinds)
-    names = names_of(project, nodes)
+    names = names_of(project, evidence.facts, nodes)
     atoms_of = partial(true_atoms, evidence)
     # Only if the question is about one node, as the price takes a search of its own.
     price = None
@@ -470,25 +462,13 @@ def true_atoms(
     return found
 
 
-def names_of(project: Project, nodes: Iterable[IntroducedNode]) -> TermNames:
+def names_of(project: Project, facts: Iterable[Fact], nodes: Iterable[IntroducedNode]) -> TermNames:
     """Return the texts of terms in sentences about a project and its nodes."""
     configuration = project.configuration
-    described = project.described
-    places: dict[int | str | tuple[str], Span] = {
-        name: module.span for name, module in described.items()
-    }
-    places |= {name.text: name.span for name in configuration.modules}
-    places |= {number: each.span for number, each in numbered(configuration.relationships)}
-    places |= {
-        number: annotation.span
-        for number, _, annotation in numbered_annotations(configuration, described)
-    }
-    places |= {(str(identified(fact)),): fact.span for fact in project.attributes}
-    places |= {
-        (str(Atom("guard", (name,))),): module.guard
-        for name, module in described.items()
-        if module.guard is not None
+    described = {
+        as_term(clingo.String(name)): module.span for name, module in project.described.items()
     }
     order = {name.text: place for place, name in enumerate(configuration.modules)}
     named = {node.term: node.name for node in nodes}
+    places = described | locations(facts)
     return TermNames(places, configuration.span, named, order, project.rates)

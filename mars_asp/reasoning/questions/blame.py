@@ -15,11 +15,11 @@ from mars_asp.asp.rules.rule import HOLE
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.atoms import Atom, Fact
-from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol
+from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term
 from mars_asp.diagnostic import MarsError, Span
 from mars_asp.model.names import written
 from mars_asp.model.ports import inputs
-from mars_asp.reasoning.analysis import analyse
+from mars_asp.reasoning.analysis import analyse, locations
 from mars_asp.reasoning.facts.compile import given
 from mars_asp.reasoning.facts.identifiers import annotation_numbers
 from mars_asp.reasoning.findings import ABSENT
@@ -164,9 +164,7 @@ class _Messages:
         self._grounding.derive([*rules.fragments(_STAGE), sought, *saying(_STAGE, speakers)])
         self._every = tuple(rendered_messages(self._grounding.control, _STAGE, speakers))
         self._header = project.configuration.span
-        self._span_of: Mapping[object, Span] = {
-            fact.atom.arguments[0]: fact.span for fact in facts if fact.atom.name == "place"
-        }
+        self._locations = locations(facts)
 
     def of(self, signature: Signature) -> Iterator[RenderedMessage]:
         """Yield the messages of rules that derive a predicate."""
@@ -175,7 +173,7 @@ class _Messages:
     def blame(self, reason: RenderedMessage) -> Blame:
         """Return a reason as a clause, with the lines that it cites in the order of the file."""
         cited = self._cited.get(as_symbol(reason.head), ())
-        evidence = tuple(sorted({self._span_of_identifier(identifier) for identifier in cited}))
+        evidence = tuple(sorted(set(map(self._location, cited))))
         return Blame(self.text(reason), evidence)
 
     def text(self, message: RenderedMessage) -> str:
@@ -206,14 +204,12 @@ class _Messages:
             cited.setdefault(clingo.Function(ABSENT.name, reason), []).append(identifier)
         return cited
 
-    def _span_of_identifier(self, identifier: clingo.Symbol) -> Span:
-        if identifier.type == clingo.SymbolType.Number:
-            return self._span_of[identifier.number]
-        return self._span_of.get(shown(identifier), self._header)
+    def _location(self, thing: clingo.Symbol) -> Span:
+        return self._locations.get(as_term(thing), self._header)
 
     def _symbol_text(self, value: clingo.Symbol) -> str:
         if value.match("at", 1):
-            span = self._span_of_identifier(value.arguments[0])
+            span = self._location(value.arguments[0])
             return f"{span.path}:{span.line}"
         return shown(value)
 

@@ -141,7 +141,9 @@ def _accounts(project: Project, evidence: Evidence, count: int) -> Sequence[Acco
     """Return the explanation of each demand."""
     keys: list[Key] = [(_KIND, as_term(clingo.Number(i)), _CASE) for i in range(1, count + 1)]
     rules, atoms_of = speakers(evidence.rulebook, ["capability"]), partial(true_atoms, evidence)
-    accounts = explanations(rules, (), atoms_of, names_of(project, ()), set(keys)).accounts
+    accounts = explanations(
+        rules, (), atoms_of, names_of(project, evidence.facts, ()), set(keys)
+    ).accounts
     return [accounts.get(key, Account(None, (), ())) for key in keys]
 
 

@@ -58,7 +58,7 @@ def reasons(
     """
     rules = telling(evidence.rulebook, lambda rule: NEED in rule.heads)
     speaking = [rule for rule in rules if NEED in rule.heads]
-    names = names_of(project, nodes)
+    names = names_of(project, evidence.facts, nodes)
     read = sorted(reads(rules) - {_QUERIED})
     grounding = Grounding((), true_atoms(evidence, read))
     facts = fact_fragment("".join(f"queried_node({term}).\n" for term in queried), {_QUERIED.name})
