@@ -3,6 +3,8 @@
 A hole is the term `_any("X")` for any value; holes of one name have one value, except `_`.
 """
 
+from collections.abc import Iterator
+
 import clingo
 
 from mars_asp.asp.rules.statements import parsed
@@ -28,6 +30,20 @@ def has_holes(symbol: clingo.Symbol) -> bool:
     if symbol.type != _FUNCTION:
         return False
     return is_hole(symbol) or any(map(has_holes, symbol.arguments))
+
+
+def subterms(symbol: clingo.Symbol) -> Iterator[clingo.Symbol]:
+    """Yield a term and the terms in it, without holes."""
+    if not is_hole(symbol):
+        yield symbol
+        for argument in symbol.arguments if symbol.type == _FUNCTION else ():
+            yield from subterms(argument)
+
+
+def strings_in(symbol: clingo.Symbol) -> frozenset[str]:
+    """Return the strings in a term."""
+    terms = subterms(symbol)
+    return frozenset(each.string for each in terms if each.type == clingo.SymbolType.String)
 
 
 def fixed_parts(symbol: clingo.Symbol) -> list[clingo.Symbol]:

@@ -425,7 +425,7 @@ def _near(step: Derived) -> _NearStep:
     return _NearStep(seen, facts, lines)
 
 
-def _below(step: Trace) -> list[Trace]:
+def steps_of(step: Trace) -> list[Trace]:
     """Return a step and all its reasons, the nearest first."""
     found: list[Trace] = [step]
     seen = {id(step)}
@@ -441,7 +441,7 @@ def _below(step: Trace) -> list[Trace]:
 def leaves_of(trace: Trace) -> Sequence[Given]:
     """Return the facts that a trace rests on, each once, in the order of their locations."""
     found: dict[str, Given] = {}
-    for part in _below(trace):
+    for part in steps_of(trace):
         if isinstance(part, Given) and part.span is not None:
             found.setdefault(part.atom, part)
     return sorted(found.values(), key=lambda leaf: (leaf.span or (), leaf.atom))

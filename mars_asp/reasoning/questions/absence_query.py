@@ -10,7 +10,7 @@ import clingo
 from mars_asp.asp.rules.statements import constants_of, defined
 from mars_asp.asp.rules.symbols import symbol_of
 from mars_asp.asp.signature import Signature, signature_of
-from mars_asp.asp.trace.patterns import hole, is_hole, pattern_in
+from mars_asp.asp.trace.patterns import hole, is_hole, pattern_in, subterms
 from mars_asp.diagnostic import MarsError
 from mars_asp.model.declarations import ends_of, node_names
 from mars_asp.output import counted
@@ -19,7 +19,7 @@ from mars_asp.reasoning.findings import consequence_kinds, kinds_of
 from mars_asp.reasoning.project import port_names
 from mars_asp.reasoning.questions.subject import wrong_question
 from mars_asp.reasoning.session import Reasoner
-from mars_asp.spelling import nearest
+from mars_asp.spelling import nearest, suggestion
 
 #: The atoms of `rules/resolve` that represent a node at a module, by its kind.
 _AT_MODULE: dict[str, Callable[[clingo.Symbol], tuple[clingo.Symbol, ...]]] = {
@@ -106,7 +106,11 @@ class Vocabulary:
         """Return the constants and strings of the rules and of all facts."""
         constants, strings = (set(each) for each in self._in_rules)
         for fact in self._reasoner.facts:
-            collect_names(symbol_of(fact.atom), constants, strings)
+            for term in subterms(symbol_of(fact.atom)):
+                if term.type == clingo.SymbolType.String:
+                    strings.add(term.string)
+                elif term.type == clingo.SymbolType.Function:
+                    constants.add(term.name)
         return constants, strings | self._modules
 
     @cached_property
@@ -259,8 +263,7 @@ class Vocabulary:
         return self._unknown_error("predicate, kind of consequence or kind of node", name, known)
 
     def _unknown_error(self, what: str, name: str, known: Iterable[str]) -> MarsError:
-        near = nearest(name, known, 0.75)
-        help_text = f"did you mean `{near}`?" if near else "see `mars-asp rules list`"
+        help_text = suggestion(name, known, "see `mars-asp rules list`", 0.75)
         return self._query_error(f"there is no {what} `{name}`", help_text)
 
     def _query_error(self, message: str, help_text: str) -> MarsError:
@@ -273,13 +276,3 @@ def _receives(name: clingo.Symbol) -> clingo.Symbol:
 
 def _module(term: clingo.Symbol) -> str | None:
     return None if is_hole(term) else term.string
-
-
-def collect_names(symbol: clingo.Symbol, constants: set[str], strings: set[str]) -> None:
-    """Add the constants and strings in a term to the two sets."""
-    if symbol.type == clingo.SymbolType.String:
-        strings.add(symbol.string)
-    elif symbol.type == clingo.SymbolType.Function:
-        constants.add(symbol.name)
-        for argument in symbol.arguments:
-            collect_names(argument, constants, strings)

@@ -19,7 +19,8 @@ import clingo
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace import Trace
-from mars_asp.asp.trace.tree import Absent, Derived, Given
+from mars_asp.asp.trace.text import leaves_of, steps_of
+from mars_asp.asp.trace.tree import Absent
 from mars_asp.diagnostic import Span, point
 from mars_asp.language.print import print_transformation
 from mars_asp.model.transformation import normalized
@@ -314,49 +315,42 @@ def _changes(
     before: _Side, after: _Side, old: Iterable[_DiffEntry[Item]], new: Iterable[_DiffEntry[Item]]
 ) -> Iterator[Change[Item]]:
     """Yield the changes between two lists of entries, paired by their keys, with their causes."""
-    old, new = tuple(old), tuple(new)
-    was, now = _others(old, new), _others(new, old)
-    old_traces = before.explainer.why([e.atom for entries in was.values() for e in entries])
-    new_traces = after.explainer.why([e.atom for entries in now.values() for e in entries])
-    for key in dict.fromkeys((*was, *now)):
-        for gone, come in zip_longest(was.get(key, ()), now.get(key, ())):
-            old_lines: set[Span] = set()
-            new_lines: set[Span] = set()
-            if gone is not None:
-                old_lines |= _given(old_traces[gone.atom])
-                new_lines |= _preventing(old_traces[gone.atom], after)
-            if come is not None:
-                new_lines |= _given(new_traces[come.atom])
-                old_lines |= _preventing(new_traces[come.atom], before)
-            unchanged = new_lines & after.unchanged or old_lines & before.unchanged
-            how: How = "appeared" if gone is None else "vanished" if come is None else "changed"
-            yield Change(
-                how,
-                None if gone is None else gone.item,
-                None if come is None else come.item,
-                tuple(sorted(after.cited(new_lines))),
-                tuple(sorted(before.cited(old_lines))),
-                tuple(sorted(unchanged)),
-            )
+    pairs = tuple(_pairs(old, new))
+    old_traces = before.explainer.why([gone.atom for _, gone, _ in pairs if gone is not None])
+    new_traces = after.explainer.why([come.atom for _, _, come in pairs if come is not None])
+    for how, gone, come in pairs:
+        old_lines: set[Span] = set()
+        new_lines: set[Span] = set()
+        if gone is not None:
+            old_lines |= _given(old_traces[gone.atom])
+            new_lines |= _preventing(old_traces[gone.atom], after)
+        if come is not None:
+            new_lines |= _given(new_traces[come.atom])
+            old_lines |= _preventing(new_traces[come.atom], before)
+        unchanged = new_lines & after.unchanged or old_lines & before.unchanged
+        yield Change(
+            how,
+            None if gone is None else gone.item,
+            None if come is None else come.item,
+            tuple(sorted(after.cited(new_lines))),
+            tuple(sorted(before.cited(old_lines))),
+            tuple(sorted(unchanged)),
+        )
 
 
 def _changed_findings(before: _Side, after: _Side) -> Iterator[Change[Consequence]]:
     """Yield the differing findings in launch trees, each with its own locations as lines."""
-    old, new = tuple(before.launch_findings()), tuple(after.launch_findings())
-    was, now = _others(old, new), _others(new, old)
-    for key in dict.fromkeys((*was, *now)):
-        for gone, come in zip_longest(was.get(key, ()), now.get(key, ())):
-            how: How = "appeared" if gone is None else "vanished" if come is None else "changed"
-            items = [None if each is None else each.item for each in (gone, come)]
-            removed, added = (() if each is None else each.spans for each in items)
-            yield Change(how, items[0], items[1], added, removed)
+    for how, gone, come in _pairs(before.launch_findings(), after.launch_findings()):
+        items = [None if each is None else each.item for each in (gone, come)]
+        removed, added = (() if each is None else each.spans for each in items)
+        yield Change(how, items[0], items[1], added, removed)
 
 
 def _blamed(
     changes: Sequence[Change[Consequence]], before: _Side, after: _Side
 ) -> tuple[Change[Consequence], ...]:
     """Return changes; those without lines get the lines that prevent them on the other side."""
-    prevented: dict[tuple[How, str, str], tuple[Span, ...]] = {}
+    prevented: dict[tuple[How, str, str], tuple[tuple[Span, ...], ...]] = {}
     others: tuple[tuple[How, _Side], ...] = (("appeared", before), ("vanished", after))
     for how, side in others:
         unexplained = [each.item for each in changes if each.how == how and not each.cited]
@@ -364,16 +358,28 @@ def _blamed(
         found = reasons(side.project, side.rulebook, sorted(kinds), sorted(names)) if names else ()
         for kind, name, blame in found:
             lines = tuple(sorted(side.cited(blame.evidence)))
-            prevented[how, kind, name] = lines
-    return tuple(each if each.cited else _with_lines(each, prevented) for each in changes)
+            prevented[how, kind, name] = (lines, ()) if how == "vanished" else ((), lines)
+
+    def with_lines(change: Change[Consequence]) -> Change[Consequence]:
+        if change.cited:
+            return change
+        key = change.how, change.item.kind, change.item.subject
+        added, removed = prevented.get(key, ((), ()))
+        return replace(change, added=added, removed=removed)
+
+    return tuple(map(with_lines, changes))
 
 
-def _with_lines(
-    change: Change[Consequence], prevented: Mapping[tuple[How, str, str], tuple[Span, ...]]
-) -> Change[Consequence]:
-    lines = prevented.get((change.how, change.item.kind, change.item.subject), ())
-    is_new = change.how == "vanished"
-    return replace(change, added=lines if is_new else (), removed=() if is_new else lines)
+def _pairs(
+    old: Iterable[_DiffEntry[Item]], new: Iterable[_DiffEntry[Item]]
+) -> Iterator[tuple[How, _DiffEntry[Item] | None, _DiffEntry[Item] | None]]:
+    """Yield the differing entries of two lists, paired by their keys."""
+    old, new = tuple(old), tuple(new)
+    was, now = _others(old, new), _others(new, old)
+    for key in dict.fromkeys((*was, *now)):
+        for gone, come in zip_longest(was.get(key, ()), now.get(key, ())):
+            how: How = "appeared" if gone is None else "vanished" if come is None else "changed"
+            yield how, gone, come
 
 
 def _others(
@@ -390,26 +396,14 @@ def _others(
     return found
 
 
-def _steps(trace: Trace) -> Iterator[Trace]:
-    seen: set[int] = set()
-    stack = [trace]
-    while stack:
-        step = stack.pop()
-        if id(step) not in seen:
-            seen.add(id(step))
-            yield step
-            if isinstance(step, Derived):
-                stack += step.premises
-
-
 def _given(trace: Trace) -> set[Span]:
     """Return the locations of the facts on which a trace rests."""
-    return {s.span for s in _steps(trace) if isinstance(s, Given) and s.span is not None}
+    return {leaf.span for leaf in leaves_of(trace) if leaf.span is not None}
 
 
 def _preventing(trace: Trace, other: _Side) -> set[Span]:
     """Return the lines that give the other side the atoms that are absent in a trace."""
-    patterns = {step.atom for step in _steps(trace) if isinstance(step, Absent)}
+    patterns = {step.atom for step in steps_of(trace) if isinstance(step, Absent)}
     atoms = {symbol for pattern in sorted(patterns) for symbol in other.matching(pattern)}
     found: set[Span] = set()
     for reason in other.explainer.why(sorted(atoms)).values():

@@ -4,7 +4,7 @@ The rule that comes nearest is followed through its failed premises to a missing
 lines that prevent the atom. A change is made to these, and the question is answered again.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 
 import clingo
@@ -13,7 +13,7 @@ from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.symbols import symbol_in
 from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.trace import absence
-from mars_asp.asp.trace.patterns import is_hole, pattern_in
+from mars_asp.asp.trace.patterns import pattern_in, strings_in
 from mars_asp.asp.trace.text import leaves_of
 from mars_asp.asp.trace.tree import Absent, Given, NearMiss, Trace, Underivable
 from mars_asp.diagnostic import Span
@@ -99,7 +99,7 @@ def _lack(reasoner: Reasoner, pattern: clingo.Symbol) -> _Lack:
             return _insufficient(attempt, pattern, reasoner.rulebook.declarations)
         trace = attempt.cause
     if isinstance(trace, Absent | Underivable):
-        return _of_absent(trace, frozenset(strings_in(pattern)))
+        return _of_absent(trace, strings_in(pattern))
     return _excluded(trace)
 
 
@@ -171,7 +171,7 @@ def _insufficient(
         return _Lack("it is possible, but the minimal specification does without it")
     leaves = [leaf for held in attempt.held for leaf in leaves_of(held)]
     spans = tuple(dict.fromkeys(leaf.span for leaf in leaves if leaf.span is not None))
-    failed = failed_value(attempt, declared, frozenset(strings_in(pattern)))
+    failed = failed_value(attempt, declared, strings_in(pattern))
     if failed is None:
         if attempt.value is None and not spans:
             return _Lack(f"what rule `{attempt.rule.id}` compares does not fit")
@@ -184,7 +184,7 @@ def _further_line(
     leaves: Sequence[Given], pattern: clingo.Symbol
 ) -> tuple[clingo.Symbol | None, str]:
     """Return the change that adds a line like one of `leaves`, and its text, else None and ""."""
-    kept = set(strings_in(pattern))
+    kept = strings_in(pattern)
     for leaf in leaves:
         symbol = symbol_in(leaf.atom)
         if symbol is None or symbol.name not in _LINES:
@@ -195,12 +195,3 @@ def _further_line(
             change, line = _new_line(symbol.name, ends, keep)
             return change, f"a further line {line}"
     return None, ""
-
-
-def strings_in(term: clingo.Symbol) -> Iterator[str]:
-    """Yield the strings of a term."""
-    if term.type == clingo.SymbolType.String:
-        yield term.string
-    elif term.type == clingo.SymbolType.Function and not is_hole(term):
-        for argument in term.arguments:
-            yield from strings_in(argument)

@@ -5,13 +5,13 @@ import clingo
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.symbols import symbol_of
 from mars_asp.asp.trace.absence import explain_absence
-from mars_asp.asp.trace.patterns import hole
+from mars_asp.asp.trace.patterns import hole, strings_in
 from mars_asp.asp.trace.tree import Trace
 from mars_asp.diagnostic import MarsError
 from mars_asp.reasoning.analysis import Analysis
 from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.project import Project
-from mars_asp.reasoning.questions.absence_query import CALL, collect_names
+from mars_asp.reasoning.questions.absence_query import CALL
 from mars_asp.reasoning.questions.launch_trees import is_about
 from mars_asp.reasoning.questions.subject import wrong_subject
 from mars_asp.reasoning.questions.why_not import WhyNot, holds
@@ -88,9 +88,6 @@ def unknown_name(project: Project, analysis: Analysis, name: str) -> MarsError:
     return wrong_subject(project, f"the launch files have no name `{name}`", help_text)
 
 
-def names_in(analysis: Analysis) -> set[str]:
+def names_in(analysis: Analysis) -> frozenset[str]:
     """Return the strings in the facts of an analysis."""
-    names: set[str] = set()
-    for fact in analysis.facts:
-        collect_names(symbol_of(fact.atom), set(), names)
-    return names
+    return frozenset().union(*(strings_in(symbol_of(fact.atom)) for fact in analysis.facts))

@@ -15,7 +15,7 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature, plain, signature_of
 from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace import absence
-from mars_asp.asp.trace.patterns import fits, has_holes, hole, is_hole, shown_pattern
+from mars_asp.asp.trace.patterns import fits, has_holes, hole, is_hole, shown_pattern, subterms
 from mars_asp.asp.trace.text import leaves_of
 from mars_asp.asp.trace.tree import Absent, Trace, Underivable
 from mars_asp.diagnostic import Span
@@ -32,7 +32,7 @@ from mars_asp.reasoning.questions.absence_query import (
 )
 from mars_asp.reasoning.questions.blame import Blame, blame
 from mars_asp.reasoning.questions.connected import BY_TYPE, connected_part
-from mars_asp.reasoning.questions.near_miss import near_miss, strings_in
+from mars_asp.reasoning.questions.near_miss import near_miss
 from mars_asp.reasoning.questions.subject import spaced_subjects
 from mars_asp.reasoning.questions.unrealised import unrealised
 from mars_asp.reasoning.session import Evidence, Reasoner
@@ -138,15 +138,17 @@ def _near(reasoner: Reasoner, question: AbsenceQuestion) -> Reasoner:
     With packs it is the whole project, as packs may relate unconnected modules, and for
     questions with numbers, which identify lines of the whole.
     """
-    names = frozenset(name for each in question.patterns for name in strings_in(each))
-    numbered = question.kind is None and any(map(_has_numbers, question.patterns))
+    terms = {each for pattern in question.patterns for each in subterms(pattern)}
+    names = {each.string for each in terms if each.type == clingo.SymbolType.String}
+    has_numbers = any(each.type == clingo.SymbolType.Number for each in terms)
+    numbered = question.kind is None and has_numbers
     if reasoner.rulebook.packs or reasoner.is_resolved or not names or numbered:
         return reasoner
     if question.kind in BY_TYPE:
         return reasoner
     ports = port_names(reasoner.project)
-    names = frozenset(ports[name][0] if name in ports else name for name in names)
-    part = connected_part(reasoner.project, names)
+    modules = {ports[name][0] if name in ports else name for name in names}
+    part = connected_part(reasoner.project, modules)
     return Reasoner(part, reasoner.rulebook, reasoner.budget)
 
 
@@ -483,9 +485,3 @@ def _cheapest(
         if best is None or (key, str(atom)) < best[:2]:
             best = (key, str(atom), extra)
     return (None, None) if best is None else (best[1], best[2])
-
-
-def _has_numbers(term: clingo.Symbol) -> bool:
-    if term.type == clingo.SymbolType.Function and not is_hole(term):
-        return any(map(_has_numbers, term.arguments))
-    return term.type == clingo.SymbolType.Number
