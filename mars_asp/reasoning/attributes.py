@@ -21,7 +21,7 @@ from mars_asp.model.described import described_modules
 from mars_asp.model.names import plain, read_name
 from mars_asp.model.ranges import MOST
 from mars_asp.reasoning.includes import module_named
-from mars_asp.spelling import nearest
+from mars_asp.spelling import suggestion
 
 _CODE = "attribute"
 #: Suffix of the name of an attribute that has the name of a predicate of the built-in rules.
@@ -196,8 +196,7 @@ class _AttributeReader:
                 instances.setdefault(name.described, []).append(name.text)
         for line in self._configuration.attributed:
             if line.module not in self._known and line.module not in instances:
-                near = nearest(line.module, self._known)
-                advice = f"did you mean `{near}`?" if near else "name it in `@modules`"
+                advice = suggestion(line.module, self._known, "name it in `@modules`")
                 message = f"`{line.module}` is not a module of the configuration"
                 self._note_attribute(message, line.attribute.span, advice)
             described = () if line.module in named else instances.get(line.module, ())
@@ -243,10 +242,9 @@ class _AttributeReader:
         found = None if name is None else module_named(name, beside, self._named)
         if found is not None:
             return found
-        near = nearest(name or "", self._named)
         return _Wrong(
             f"`{written}` is not a module of the configuration",
-            f"did you mean `{near}`?" if near else "name a module of `@modules`",
+            suggestion(name or "", self._named, "name a module of `@modules`"),
         )
 
     def _undeclared(self, attribute: Attribute, kind: AttributeKind | None) -> None:
@@ -257,13 +255,10 @@ class _AttributeReader:
             message = f"`{attribute.name}` is {other}, not a {word}"
             self._note_attribute(message, attribute.span, f"write `{form}`")
             return
-        near = nearest(attribute.name, self._kinds)
         known = ", ".join(f"`{name}`" for name in sorted(self._kinds))
         advice = "give the pack that declares it with `--rules`"
-        if near:
-            advice = f"did you mean `{near}`?"
-        elif known:
-            advice = f"{advice}; declared so far: {known}"
+        if known:
+            advice = suggestion(attribute.name, self._kinds, f"{advice}; declared so far: {known}")
         message = f"no rule pack declares the {word} `{attribute.name}`"
         self._note_attribute(message, attribute.span, advice)
 
@@ -317,9 +312,8 @@ def _number(written: str, sort: str) -> "int | _Wrong":
 def _constant(written: str, constants: Sequence[str]) -> "Term | _Wrong":
     if written in constants:
         return int(written) if _WHOLE.fullmatch(written) else Atom(written)
-    near = nearest(written, constants)
     known = ", ".join(f"`{each}`" for each in constants)
-    advice = f"did you mean `{near}`?" if near else f"write one of {known}"
+    advice = suggestion(written, constants, f"write one of {known}")
     return _Wrong(f"expected one of {known}, found `{written}`", advice)
 
 

@@ -11,7 +11,7 @@ from mars_asp.asp.rules.statements import Statement, argument_place
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.solve.term_ids import arguments, as_symbol
 from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span
-from mars_asp.spelling import nearest
+from mars_asp.spelling import suggestion
 
 #: Packs may minimise freely below this level; the relationships of a specification are on it.
 LEAST_COST = 10
@@ -106,8 +106,7 @@ def check_severities(messages: Iterable[RenderedMessage]) -> None:
 
 def no_severity(written: str, place: Span, excerpt: str | None = None) -> Diagnostic:
     """Return the diagnostic for an unknown severity."""
-    near = nearest(written, SEVERITIES)
-    advice = f"did you mean `{near}`?" if near else f"one of {', '.join(SEVERITIES)}"
+    advice = suggestion(written, SEVERITIES, f"one of {', '.join(SEVERITIES)}")
     message = f"`{written}` is not a severity"
     return Diagnostic("rule-severity", "error", message, place, help=advice, excerpt=excerpt)
 

@@ -26,7 +26,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError, Span, whole_file
 from mars_asp.language.parse import decode, read_bytes
 from mars_asp.language.toml_text import Places, read_tables
 from mars_asp.model.declarations import NODE_NAMES, PackKind
-from mars_asp.spelling import nearest
+from mars_asp.spelling import nearest, suggestion
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoints
@@ -277,8 +277,7 @@ def _stray(folder: Path) -> Iterator[Diagnostic]:
     """Yield an error for each folder with rules that is not named after a stage."""
     for each in sorted(folder.iterdir()):
         if each.is_dir() and each.name not in (*FOLDERS, *_OTHERS) and any(each.glob("*.lp")):
-            near = nearest(each.name, FOLDERS)
-            known = f"did you mean `{near}`?" if near else f"one of {', '.join(FOLDERS)}"
+            known = suggestion(each.name, FOLDERS, f"one of {', '.join(FOLDERS)}")
             message = f"the rules in `{each.name}` belong to no stage"
             yield Diagnostic(_CODE, "error", message, whole_file(str(each)), help=known)
 
@@ -398,8 +397,7 @@ class _ManifestReader:
     ) -> None:
         for key in table:
             if key not in keys:
-                near = nearest(key, keys)
-                known = f"did you mean `{near}`?" if near else f"one of {', '.join(keys)}"
+                known = suggestion(key, keys, f"one of {', '.join(keys)}")
                 self._add_error(f"`{key}` is not a key of {what}", known, *at, key)
 
     def _add_error(self, message: str, advice: str | None, *key: str | int) -> None:

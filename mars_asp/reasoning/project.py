@@ -36,7 +36,7 @@ from mars_asp.reasoning.includes import (
     with_includes,
     without_idle,
 )
-from mars_asp.spelling import nearest, resemblances
+from mars_asp.spelling import resemblances, suggestion
 
 if TYPE_CHECKING:
     from mars_asp.annotations.files import Entries, Extraction
@@ -414,13 +414,12 @@ def _has_its_own(name: Name) -> Diagnostic:
 
 def _not_described(name: Name, described: Mapping[str, Module]) -> Diagnostic:
     """Return the warning that the module named as the description of another has none."""
-    near = nearest(name.described or "", described)
     return Diagnostic(
         "annotations-missing",
         "warning",
         f"`{name.described}`, which is to describe `{name.text}`, is not described itself",
         name.span,
-        help=f"did you mean `{near}`?" if near else "annotate it, or declare it in a block",
+        help=suggestion(name.described or "", described, "annotate it, or declare it in a block"),
     )
 
 

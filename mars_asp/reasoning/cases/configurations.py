@@ -10,16 +10,15 @@ from pathlib import Path
 from mars_asp.asp.cases import Check, Failure, Outcome
 from mars_asp.asp.cases.outcomes import shown_beside
 from mars_asp.asp.rules.rulebook import Rulebook
-from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.language.parse import read_text
 from mars_asp.model.declarations import Control, node_names
 from mars_asp.model.names import written
-from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.findings import SEVERITIES, consequence_kinds, kinds_of
 from mars_asp.reasoning.project import load_project
 from mars_asp.reasoning.rules import COSTS, by_name
 from mars_asp.reasoning.session import Reasoner
-from mars_asp.spelling import nearest
+from mars_asp.spelling import nearest, suggestion
 
 SUFFIX = ".mars"
 #: The line above the expectations that `snapshot` writes.
@@ -137,13 +136,13 @@ def run_configuration(path: Path, rulebook: Rulebook) -> Outcome:
     """
     text = read_text(path)
     robot = _Robot(str(path), rulebook)
-    lines = _expectation_lines(text, robot)
+    lines, start = _expectation_lines(text, robot), point(robot.path, 1, 1)
     failures = tuple(failure for line in lines for failure in _unmet(line, lines, robot))
     if not lines:
         advice = "write what is expected, as in `# expect: warning KIND at LINE`, or use --update"
-        failures = (Failure(_start_span(robot.path), "an expectation", lines=(f"  - {advice}",)),)
+        failures = (Failure(start, "an expectation", lines=(f"  - {advice}",)),)
     updated = _updated(text, lines, robot)
-    check = Check(None, lines[0].span if lines else _start_span(robot.path), failures)
+    check = Check(None, lines[0].span if lines else start, failures)
     return Outcome(path, (check,), updated if updated != text else None)
 
 
@@ -157,7 +156,15 @@ class _Robot:
     @cached_property
     def reported(self) -> tuple[ReportedFinding, ...]:
         """Return the findings of the configuration."""
-        return tuple(map(self._reported_finding, self._reasoner.analysis.consequences))
+        return tuple(
+            ReportedFinding(
+                each.severity,
+                each.kind,
+                each.subject,
+                tuple(sorted({span.line for span in each.spans if span.path == self.path})),
+            )
+            for each in self._reasoner.analysis.consequences
+        )
 
     def counted_of(self, what: str) -> Mapping[str, int] | None:
         """Return the actual counts for an expectation with the keyword `what`.
@@ -222,8 +229,7 @@ class _Robot:
     @cached_property
     def own_kinds(self) -> frozenset[str] | None:
         """Return the kinds of findings of packs; None without packs, or if one is a variable."""
-        own = self.rulebook.rules[len(self.rulebook.rules) - self.rulebook.pack_rules :]
-        kinds = [kinds_of(rule) for rule in own]
+        kinds = [kinds_of(rule) for rule in self.rulebook.of_packs]
         if not self.rulebook.packs or None in kinds:
             return None
         return frozenset(kind for each in kinds if each is not None for kind in each)
@@ -232,10 +238,6 @@ class _Robot:
     def is_open(self) -> bool:
         """Whether some rule computes the kinds of its findings, so that any kind is possible."""
         return any(kinds_of(rule) is None for rule in self.rulebook.rules)
-
-    def _reported_finding(self, found: Consequence) -> ReportedFinding:
-        lines = sorted({span.line for span in found.spans if span.path == self.path})
-        return ReportedFinding(found.severity, found.kind, found.subject, tuple(lines))
 
 
 # ---- Expectations -------------------------------------------------------------------------------
@@ -293,8 +295,7 @@ def _finding(
         problems.append(_case_error(f"expected a finding, found `{text}`", span, advice))
         return None
     if match["kind"] not in robot.kinds and not robot.is_open:
-        near = nearest(match["kind"], robot.kinds)
-        advice = f"did you mean `{near}`?" if near else "is the pack that finds it given?"
+        advice = suggestion(match["kind"], robot.kinds, "is the pack that finds it given?")
         problems.append(_case_error(f"no rule finds `{match['kind']}`", span, advice))
     lines = tuple(map(int, re.findall(r"\d+", match["lines"] or "")))
     return ExpectedFinding(match["severity"], match["kind"], match["subject"], lines)
@@ -310,8 +311,7 @@ def _counts(
             message = f"expected a name and a number, found `{part}`"
             problems.append(_case_error(message, span, f"as in `{known[0]} 1`"))
         elif match["name"] not in known:
-            near = nearest(match["name"], known)
-            advice = f"did you mean `{near}`?" if near else f"one of {', '.join(known)}"
+            advice = suggestion(match["name"], known, f"one of {', '.join(known)}")
             problems.append(_case_error(f"`{match['name']}` is not counted here", span, advice))
         else:
             found[match["name"]] = int(match["count"])
@@ -320,10 +320,6 @@ def _counts(
 
 def _case_error(message: str, span: Span, advice: str) -> Diagnostic:
     return Diagnostic(_CODE, "error", message, span, help=advice)
-
-
-def _start_span(path: str) -> Span:
-    return Span(path, 1, 1, 1, 1)
 
 
 # ---- Unmet expectations -------------------------------------------------------------------------

@@ -8,7 +8,7 @@ True
 """
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -33,7 +33,7 @@ from mars_asp.reasoning.questions.account import (
 )
 from mars_asp.reasoning.session import Evidence
 from mars_asp.reasoning.synthesis.synthesise import costs_of
-from mars_asp.spelling import nearest
+from mars_asp.spelling import suggestion
 
 #: The shown file name of locations in a query.
 QUERY = "<query>"
@@ -169,7 +169,9 @@ def _demands(query: str, project: Project) -> Iterator[Demand]:
             (module, names, "a module of this configuration"),
         ):
             if word not in known:
-                problems.append(_unknown_word(word, known, what, span, query))
+                message = f"`{word}` is not {what}"
+                help_text = suggestion(word, known, f"one of {', '.join(sorted(known))}")
+                problems.append(Diagnostic("query", "error", message, span, (), help_text, query))
         yield Demand(match[1], module, span)
     if len(parts) > MOST_DEMANDS:
         span = Span(QUERY, 1, column, 1, column + 1)
@@ -177,9 +179,3 @@ def _demands(query: str, project: Project) -> Iterator[Demand]:
         problems.append(Diagnostic("query", "error", message, span, help="ask for fewer"))
     if problems:
         raise MarsError(problems)
-
-
-def _unknown_word(word: str, known: Iterable[str], what: str, span: Span, query: str) -> Diagnostic:
-    near = nearest(word, known)
-    help_text = f"did you mean `{near}`?" if near else f"one of {', '.join(sorted(known))}"
-    return Diagnostic("query", "error", f"`{word}` is not {what}", span, (), help_text, query)

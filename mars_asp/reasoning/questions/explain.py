@@ -38,10 +38,11 @@ from mars_asp.reasoning.synthesis.synthesise import (
     Synthesis,
     is_resolved,
 )
-from mars_asp.spelling import nearest
+from mars_asp.spelling import suggestion
 
 #: The sort of things to which an explanation can be limited.
 Sort: TypeAlias = Literal["consequences", "nodes"]
+_UNTRACED = Unexplained("", "no trace was asked for")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -62,11 +63,11 @@ class Topic:
     title: str
     name: str
     sort: Literal["consequence", "node", "atom"]
-    severity: Severity | None
-    rule: str | None
-    resolves: tuple[str, ...]
-    account: Account | None
-    trace: Trace
+    severity: Severity | None = None
+    rule: str | None = None
+    resolves: tuple[str, ...] = ()
+    account: Account | None = None
+    trace: Trace = _UNTRACED
     atom: clingo.Symbol | None = None
 
 
@@ -164,32 +165,21 @@ def _things_named(
     found: list[_Subject] = []
     for each in chosen if only != "nodes" else ():
         title = f"{each.kind}({each.subject})"
-        found.append((_topic(title, title, "consequence", each), each, each.atom))
+        topic = Topic(title, title, "consequence", each.severity, atom=each.atom)
+        found.append((topic, each, each.atom))
     if only != "consequences" and specification is not None:
         for node in _nodes(specification, subject, chosen):
             resolves = tuple(specification.resolves[node.name])
             title = f"{node.name} resolves {', '.join(resolves)}" if resolves else node.name
             atom = _node_atom(node, evidence, synthesis) if traced else None
-            topic = replace(_topic(title, node.name, "node"), resolves=resolves)
+            topic = Topic(title, node.name, "node", resolves=resolves)
             found.append((topic, node, atom))
     if not found and subject is not None:
         if only is not None:
             raise _nothing_of(subject, project, bool(chosen), synthesis, evidence.analysis)
         name, atom = _true_atom(subject, project, evidence, synthesis)
-        found = [(_topic(plain(name), plain(name), "atom"), None, atom)]
+        found = [(Topic(plain(name), plain(name), "atom"), None, atom)]
     return found
-
-
-def _topic(
-    title: str,
-    name: str,
-    sort: Literal["consequence", "node", "atom"],
-    found: Consequence | None = None,
-) -> Topic:
-    """Return a topic without an account and a trace."""
-    severity, atom = (None, None) if found is None else (found.severity, found.atom)
-    trace = Unexplained(title, "no trace was asked for")
-    return Topic(title, name, sort, severity, None, (), None, trace, atom)
 
 
 def _topics(
@@ -214,7 +204,8 @@ def _topics(
     topics = []
     for topic, thing, atom in found:
         account, rule = (None, None) if thing is None else next(accounts)
-        trace = topic.trace if atom is None else traces.get(atom, topic.trace)
+        untraced = replace(_UNTRACED, atom=topic.title)
+        trace = untraced if atom is None else traces.get(atom, untraced)
         topics.append(replace(topic, rule=rule, account=account, trace=trace))
     return tuple(topics)
 
@@ -241,10 +232,10 @@ def _check_module(subject: str, project: Project, only: Sort) -> None:
     """
     names = [name.text for name in project.configuration.modules]
     if subject not in names:
-        near = nearest(subject, names)
         message = f"`{subject}` is not a module, and only a module has both consequences and nodes"
-        help_text = f"did you mean `{near}`?" if near else f"leave out `--only {only}`"
-        raise wrong_subject(project, message, help_text)
+        raise wrong_subject(
+            project, message, suggestion(subject, names, f"leave out `--only {only}`")
+        )
 
 
 def _nothing_of(

@@ -9,7 +9,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.model.declarations import node_names
 from mars_asp.reasoning.findings import consequence_kinds
 from mars_asp.reasoning.project import Project
-from mars_asp.spelling import nearest
+from mars_asp.spelling import nearest, suggestion
 
 #: At most this many names are listed if none is similar.
 _MOST_NAMES = 5
@@ -66,11 +66,8 @@ def absent_subject(
         message = f"the minimal specification has no node `{subject}`"
         return wrong_subject(project, message, f"`--why-not {subject}` shows what one would take")
     if not is_kind and kind not in node_names(project.configuration.kinds).values():
-        near = nearest(subject, known)
         message = f"this configuration has no module, node, consequence or true atom `{subject}`"
-        help_text = (
-            f"did you mean `{near}`?" if near else "`--why-not ATOM` shows what an atom lacks"
-        )
+        help_text = suggestion(subject, known, "`--why-not ATOM` shows what an atom lacks")
         return wrong_subject(project, message, help_text)
     if about and about not in names:
         near = nearest(about, names)
@@ -86,13 +83,12 @@ def absent_subject(
 
 def no_node(subject: str, nodes: Sequence[str], project: Project) -> MarsError:
     """Return the error that a name is not a node of the specification."""
-    near = nearest(subject, nodes)
     more = f" and {len(nodes) - _MOST_NAMES} more" if len(nodes) > _MOST_NAMES else ""
     known = f"the nodes are {', '.join(nodes[:_MOST_NAMES])}{more}" if nodes else "there are none"
     message = f"`{subject}` is not a node of the specification"
     if subject in {name.text for name in project.configuration.modules}:
         message = f"`{subject}` is a module of the configuration, not a node that synthesis adds"
-    return wrong_subject(project, message, f"did you mean `{near}`?" if near else known)
+    return wrong_subject(project, message, suggestion(subject, nodes, known))
 
 
 def unconcerned(subject: str, project: Project) -> MarsError:
