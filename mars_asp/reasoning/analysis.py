@@ -4,10 +4,10 @@ Nothing is decided here: a consequence is an atom `consequence(Kind, Severity, S
 the answer set, its message the metadata of the rule that derives it.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence, Set
+from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import TypeAlias, TypeVar
+from typing import TypeAlias
 
 import clingo
 
@@ -30,7 +30,7 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.symbols import symbol_of
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.grounding import Grounding, unsolved
-from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, atoms
+from mars_asp.asp.solve.term_ids import TermId, arguments, as_symbol, as_term, atoms, text
 from mars_asp.diagnostic import Diagnostic, MarsError, Severity, Span
 from mars_asp.model.graph import OPEN_BRANCH, OPEN_CONDITION
 from mars_asp.output import brief_repr
@@ -44,7 +44,6 @@ from mars_asp.reasoning.findings import (
 
 #: Kind, subject and case of a consequence.
 Key: TypeAlias = tuple[TermId, TermId, TermId]
-_Value = TypeVar("_Value")
 #: The severity of consequences that are neither warnings nor errors.
 _NOTE = as_term(clingo.Function("note"))
 _STAGE = "base"
@@ -134,7 +133,7 @@ class Analysis:
     def has_errors(self) -> bool:
         """Whether a consequence is an error."""
         severities = {arguments(a)[1] for a in atoms(self.grounding.control, *CONSEQUENCE)}
-        return any(_severity(as_symbol(severity)) == "error" for severity in severities)
+        return any(_severity(severity) == "error" for severity in severities)
 
 
 def analyse(
@@ -225,7 +224,7 @@ def read_consequences(
         if label.term in span_of:
             labels_of.setdefault(label.head, {}).setdefault(span_of[label.term], label.text)
     # A few terms occur in very many consequences.
-    write, severity_of = _of_terms(str), _of_terms(_severity)
+    write = cache(text)
     consequences = []
     for head, key in keys.items():
         kind, severity, about, _ = arguments(head)
@@ -237,7 +236,7 @@ def read_consequences(
         consequences.append(
             Consequence(
                 write(kind),
-                severity_of(severity),
+                _severity(severity),
                 written(about),
                 _unique_texts(part_of.get(key, ())),
                 item.message or str(as_symbol(head)),
@@ -366,11 +365,6 @@ def _unique_texts(rows: Sequence[Sequence[TermId]]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(written(row[1]) for row in rows))
 
 
-def _of_terms(make: Callable[[clingo.Symbol], _Value]) -> Callable[[TermId], _Value]:
-    """Return a function of term identifiers that calls `make` once for each term."""
-    return cache(lambda term: make(as_symbol(term)))
-
-
-def _severity(symbol: clingo.Symbol) -> Severity:
-    name = str(symbol)
-    return next(severity for severity in SEVERITIES if severity == name)
+@cache
+def _severity(term: TermId) -> Severity:
+    return next(severity for severity in SEVERITIES if severity == text(term))

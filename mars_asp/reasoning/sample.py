@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import NamedTuple
 
 from mars_asp.asp.cache import memoized
 from mars_asp.asp.solve.atoms import Fact
@@ -35,15 +34,8 @@ def samples() -> tuple[Project, ...]:
     return muxed, flat, ports
 
 
-class Sampled(NamedTuple):
-    """The facts of a robot, and where its configuration is."""
-
-    facts: tuple[Fact, ...]
-    span: Span
-
-
-def sampled() -> Iterator[Sampled]:
-    """Yield the facts of each robot, one robot after the other."""
+def sampled() -> Iterator[tuple[tuple[Fact, ...], Span]]:
+    """Yield the facts of each robot with the location of its configuration."""
     for number in range(_COUNT):
         yield memoized("samples", _makers(), [number], _sampled)[number]
 
@@ -52,9 +44,9 @@ def sampled() -> Iterator[Sampled]:
 _COUNT = 3
 
 
-def _sampled(number: int) -> Sampled:
+def _sampled(number: int) -> tuple[tuple[Fact, ...], Span]:
     project = samples()[number]
-    return Sampled(project_facts(project), project.configuration.span)
+    return project_facts(project), project.configuration.span
 
 
 @cache

@@ -56,8 +56,7 @@ def synthesise(
         NoSpecificationError: constraints of rule packs exclude every specification.
         MarsError: clingo refuses the rules, or costs are too large to be added up.
     """
-    with _reasons(analysis, rulebook):
-        resolution = _resolve(analysis, rulebook, budget)
+    with _resolved(analysis, rulebook, budget) as resolution:
         if resolution is None:
             return None
         derived = SpecifiedAtoms(rulebook, resolution.answer)
@@ -74,8 +73,7 @@ def least_cost(
         NoSpecificationError: constraints of rule packs exclude every specification.
         MarsError: clingo refuses the rules, or costs are too large to be added up.
     """
-    with _reasons(analysis, rulebook):
-        resolution = _resolve(analysis, rulebook, budget)
+    with _resolved(analysis, rulebook, budget) as resolution:
         if resolution is None:
             return None
         resolution.answer.check()
@@ -83,23 +81,24 @@ def least_cost(
 
 
 @contextmanager
-def _reasons(analysis: Analysis, rulebook: Rulebook) -> Iterator[None]:
-    """In the block, replace an error without answer by the constraints that exclude every answer.
+def _resolved(
+    analysis: Analysis, rulebook: Rulebook, budget: Budget
+) -> Iterator[Resolution | None]:
+    """Resolve an analysis; in the block, an error without answer names the excluding constraints.
+
+    The resolution is None if a consequence cannot be resolved.
 
     Raises:
         NoSpecificationError: constraints of rule packs exclude every answer.
     """
     try:
-        yield
+        with costs_of(analysis.facts):
+            resolution = analysis.grounding.resolve(
+                rulebook.fragments("resolve"), budget.deadline(), budget.progress
+            )
+        yield None if is_unresolvable(analysis) else resolution
     except NoAnswerError as error:
         raise (excluded(rulebook, analysis.facts) or error) from None
-
-
-def _resolve(analysis: Analysis, rulebook: Rulebook, budget: Budget) -> Resolution | None:
-    grounding, resolving = analysis.grounding, rulebook.fragments("resolve")
-    with costs_of(analysis.facts):
-        resolution = grounding.resolve(resolving, budget.deadline(), budget.progress)
-    return None if is_unresolvable(analysis) else resolution
 
 
 @contextmanager
