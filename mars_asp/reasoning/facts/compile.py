@@ -152,15 +152,15 @@ class Compiler:
         self.words()
         self.facts += output_facts(self.configuration, ends)
         self.facts += named_inputs(ends, lines)
-        # The facts of the configuration contain these already.
+        # No rule compares these facts of a specification with those of its configuration.
         if not self.is_specification:
+            canonical, rates = self.naming.names.canonical, self.naming.rates
             self.facts += input_facts(self.configuration, described, ends)
             self.facts += turns(self.configuration, ends, lines)
-        canonical, rates = self.naming.names.canonical, self.naming.rates
-        self.facts += loose_ends(self.configuration, described, ends, lines, canonical)
-        self.facts += rounded_rates(self.configuration, ends, ends.services(described), rates)
-        self.resemblances()
-        self.facts += closed_walks(lines)
+            self.facts += loose_ends(self.configuration, described, ends, lines, canonical)
+            self.facts += rounded_rates(self.configuration, ends, ends.services(described), rates)
+            self.resemblances()
+            self.facts += closed_walks(lines)
         return self.facts
 
     def heading(self) -> None:
