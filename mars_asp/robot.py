@@ -1035,7 +1035,7 @@ def _networkx(graph: dict[str, Any]) -> "networkx.MultiDiGraph":
 
 
 def _repair(of: Consequence, mend: Mend) -> RepairResult:
-    """Return the answer for one fix of a finding."""
+    """Return the public result for `mend`, a set of edits that removes the finding `of`."""
     removes = f"{of.kind}({of.subject})"
     title = "; ".join(edit.message for edit in mend.edits)
     lines = (line for edit in mend.lines for line in line_text(edit))

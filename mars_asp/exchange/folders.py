@@ -125,7 +125,10 @@ def _lies_in(path: Path, folders: Collection[Path]) -> bool:
 def _beside_ros(
     folder: Path, entries: Sequence[tuple[int, Path]], unread: list[Unread]
 ) -> list[Path]:
-    """Return the dora dataflows in a folder of ROS; none unless one is near its top."""
+    """Return the dora dataflows in a folder of ROS packages, if at least one is near its top.
+
+    Deeper ones alone are examples of vendored packages. `unread` gets the files not examined.
+    """
     yaml = sorted(
         each for each in entries if each[1].suffix in _YAML and not _is_test(folder, each[1])
     )

@@ -91,7 +91,7 @@ def _two_things(clause: Clause, name: str, first: Use, use: Use) -> LintFinding:
 def _never_given(
     clause: Clause, atoms: Iterable[ClauseAtom], environment: Environment, known: KnownValue
 ) -> Iterator[LintFinding]:
-    """Yield the atoms, which bind no variable, whose argument can never have a variable's value."""
+    """Yield a finding for each argument that never has the value of the variable written there."""
     for atom in atoms:
         every = known.arguments(atom.signature)
         for at, name in atom.named if every else ():

@@ -152,7 +152,10 @@ class Handles:
     def _values_of(
         self, file: ScopedCode, variable: CppVariable, body: CppBody | None
     ) -> Iterator[_Source]:
-        """Yield the handles that a variable gets, of a parameter of a function in its calls."""
+        """Yield the handles assigned to a variable, and those that calls pass to a parameter.
+
+        `body` is that of the function of which the variable is a parameter, or None.
+        """
         for place, value in self._texts.places_of(file, variable):
             before = text_at(place.tokens, value.begin - 2), text_at(place.tokens, value.begin - 1)
             if value.function == variable.name:

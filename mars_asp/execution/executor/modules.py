@@ -126,7 +126,7 @@ class Algorithm:
             self.queue(self.compute)
 
     def ask(self) -> None:
-        """Request the pulled inputs; the run follows the last answer."""
+        """Request a message for each input that is fed on request; the last answer starts the run."""
         self.queued = False
         if self.waiting:
             return
