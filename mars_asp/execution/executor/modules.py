@@ -126,7 +126,7 @@ class Algorithm:
             self.queue(self.compute)
 
     def ask(self) -> None:
-        """Request a message for each input that is fed on request; the last answer starts the run."""
+        """Request a message for each input fed on request; the last answer starts the run."""
         self.queued = False
         if self.waiting:
             return
