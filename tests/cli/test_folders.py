@@ -64,6 +64,10 @@ FOLDERS = {
         package("v/src/a") | package("w/src/deep/b") | package("c"),
         ["."],
     ),
+    "a workspace and a repository without src": (
+        package("v/src/a") | package("r/b") | {"v/.git/config": "", "r/.git/config": ""},
+        ["."],
+    ),
     "a workspace without a launch file": (
         package("v/src/a") | {"w/src/b/package.xml": PACKAGE.format("b")},
         ["v"],
