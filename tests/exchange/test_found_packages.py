@@ -50,6 +50,29 @@ def test_a_folder_that_is_not_to_be_built_holds_no_packages(tmp_path: Path, mark
         assert lacking(parsed.trees) == [("arm", "launch/wrist.launch")]
 
 
+def test_a_note_names_the_marker_of_a_package_that_is_launched(tmp_path: Path) -> None:
+    needed = (
+        '<include file="$(find arm)/launch/arm.launch"/>'
+        '<include file="$(find leg)/launch/leg.launch"/>'
+        '<node pkg="arm" type="n" name="n"/>'
+    )
+    written = {
+        "src/old/COLCON_IGNORE": "",
+        "src/old/arm/package.xml": PACKAGE.format("arm"),
+        "src/base/package.xml": PACKAGE.format("base"),
+        "src/base/launch/base.launch": f"<launch>{needed}</launch>",
+    }
+    notes = [each.message for each in read(written, tmp_path).warnings]
+    marker = tmp_path / "src/old/COLCON_IGNORE"
+    assert notes == [
+        f"files of packages in a folder that `{marker}` excludes not read: 1 "
+        "(`$(find-pkg-share arm)/launch/arm.launch`)",
+        "included launch files that are not in the workspace not read: 1 "
+        "(`$(find-pkg-share leg)/launch/leg.launch`)",
+        f"nodes of packages in a folder that `{marker}` excludes not read: 1 (`/n`)",
+    ]
+
+
 def test_in_a_package_a_marked_folder_has_its_sources_and_launch_files(tmp_path: Path) -> None:
     source = "int main() { n.advertise<A>('/t', 1); }".replace("'", '"')
     written = {

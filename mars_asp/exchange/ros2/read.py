@@ -310,7 +310,7 @@ class _WorkspaceRobot:
         self._note()
         for launch in launches:
             self.unread += launch.unread
-        self.unread += self.workspace.unread
+        self.unread = [*map(self._with_marker, self.unread), *self.workspace.unread]
         if not self.trees:
             raise self._nothing(paths)
         includes = any(len(launch.reached) > 1 for launch in launches)
@@ -758,11 +758,22 @@ class _WorkspaceRobot:
             # The launch file names all of its nodes alike.
             self.unread.append(Unread(AT_RUN_TIME, full, started.span))
 
+    def _with_marker(self, each: Unread) -> Unread:
+        """Return skipped contents, of a package that is not to be built with the marker for it."""
+        marker = self.workspace.marker_of(each.name)
+        if marker is None:
+            return each
+        sort = f"files of packages in a folder that `{self.workspace.shown(marker)}` excludes"
+        return each._replace(sort=sort)
+
     def _without_source(
         self, started: Started, full: str, name: str, values: Mapping[str, GivenParameter]
     ) -> GraphNode:
         """Return a node without topics, of a program whose source is unknown."""
         sort = "topics of nodes with neither a source here nor an entry in the catalogue"
+        marker = self.workspace.marker_of(f"$(find-pkg-share {started.package})")
+        if marker is not None:
+            sort = f"nodes of packages in a folder that `{self.workspace.shown(marker)}` excludes"
         self.unread.append(Unread(sort, full, started.span))
         return GraphNode(
             full,

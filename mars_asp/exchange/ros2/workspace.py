@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from fnmatch import fnmatchcase, translate
 from functools import cache, cached_property, partial
-from itertools import chain
+from itertools import chain, islice
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
@@ -159,6 +159,8 @@ class Workspace:
         self._deep = deep
         self._is_absolute = Path(named).is_absolute()
         self._marked: set[Path] = set()
+        #: The marker in each folder that is skipped because it is not to be built.
+        self._excluding: list[Path] = []
         self._ignoring: list[Path] = []
         #: The files below the folder that are not links.
         self._own: set[Path] = set()
@@ -212,6 +214,7 @@ class Workspace:
                 self._marked.add(at)
                 # In a package a marker hides sources from linters alone.
                 if not any((each / "package.xml").exists() for each in self._above(at)):
+                    self._excluding.append(at / min(IGNORE_MARKERS.intersection(names)))
                     names.clear()
                     folders.clear()
             self._ignoring += [at / ".gitignore"] * (".gitignore" in names)
@@ -269,16 +272,36 @@ class Workspace:
     @cached_property
     def _by_manifest(self) -> Mapping[Path, Package]:
         """The package of each folder with a manifest."""
-        found = {}
-        for file in self.files:
-            if file.name == "package.xml":
-                text = _COMMENT.sub("", self.readable(file))
-                match = _XML_NAME.search(text)
-                # A template has an expression for its name.
-                if match or "</name>" not in text:
-                    name = match[1] if match else file.parent.name
-                    built = frozenset(_BUILD_TYPE.findall(text) or _CATKIN.findall(text))
-                    found[file.parent] = Package(name, file.parent, built)
+        manifests = (file for file in self.files if file.name == "package.xml")
+        packages = filter(None, map(self._described_by, manifests))
+        return {package.folder: package for package in packages}
+
+    def _described_by(self, manifest: Path) -> Package | None:
+        """Return the package of a manifest, None for a template, whose name is an expression."""
+        text = _COMMENT.sub("", self.readable(manifest))
+        match = _XML_NAME.search(text)
+        if match is None and "</name>" in text:
+            return None
+        name = match[1] if match else manifest.parent.name
+        built = frozenset(_BUILD_TYPE.findall(text) or _CATKIN.findall(text))
+        return Package(name, manifest.parent, built)
+
+    def marker_of(self, path: str) -> Path | None:
+        """Return the marker that keeps the package of a shared path from being built, or None."""
+        match = _SHARE.match(path)
+        if match is None or self.package(match[1]) is not None:
+            return None
+        return self._markers.get(match[1])
+
+    @cached_property
+    def _markers(self) -> Mapping[str, Path]:
+        """The markers that keep packages from being built, by the names of these."""
+        found: dict[str, Path] = {}
+        for marker in self._excluding:
+            for folder, _, names in islice(os.walk(marker.parent), _MOST_FILES):
+                if "package.xml" in names:
+                    package = self._described_by(Path(folder) / "package.xml")
+                    found |= {} if package is None else {package.name: marker}
         return found
 
     def _note_errors(self, manifest: Path) -> None:
