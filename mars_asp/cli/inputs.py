@@ -210,6 +210,8 @@ def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None
         text = read_input(path)
     if text is None and os.path.isdir(path):  # noqa: PTH112 -- never raises
         return ForeignFile(path, "", "ros2")
+    if text is None and (package := _package_named(path)) is not None:
+        raise MarsError([unreadable(path, "no such file", f"the package is in `{package}`")])
     if text is None:
         # A pipe can be read only once.
         streamed: dict[str, str] = vars(arguments).setdefault("streamed", {})
@@ -230,6 +232,14 @@ def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None
             help_text = f"name its workspace, `{workspace}`"
         raise refusal("unreadable", message, path, help_text)
     return ForeignFile(path, text, format)
+
+
+def _package_named(path: str) -> Path | None:
+    """Return the folder near this one of the ROS package that a path is the name of, or None."""
+    if re.fullmatch(r"\w+", path) is None or os.path.lexists(path):
+        return None
+    near = (Path().glob(f"{above}/{path}/package.xml") for above in ("src", "src/*", "*"))
+    return next((each.parent for found in near for each in found), None)
 
 
 def is_other_file(path: str, text: str) -> bool:

@@ -209,6 +209,17 @@ def test_a_line_of_a_source_is_explained_within_its_workspace(
         assert "name its workspace, `ws`" in capsys.readouterr().out
 
 
+def test_a_package_is_found_by_its_name(
+    workspace: Path, capsys: Captured, monkeypatch: Patch
+) -> None:
+    monkeypatch.chdir(workspace)
+    for words in (["check", "drive"], ["draw", "drive"]):
+        assert run_here(words) == 2
+        output = capsys.readouterr()
+        assert "no such file" in output.out + output.err
+        assert "the package is in `src/drive`" in output.out + output.err
+
+
 def test_the_order_of_launch_files_changes_no_finding(workspace: Path, capsys: Captured) -> None:
     other = workspace / "src" / "base"
     (other / "launch").mkdir(parents=True)
