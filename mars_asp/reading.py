@@ -89,7 +89,7 @@ def _await_writer(handle: int, path: str) -> None:
 
 
 def check_walls(path: str | Path, named_in: str | None = None) -> None:
-    """Raise WallError if a file that `named_in` names is outside, or is the kernel's.
+    """Check that a file lies in the project of the file `named_in` (None: its own).
 
     Raises:
         WallError: it is the kernel's, or lies outside.

@@ -45,7 +45,7 @@ class Following:
 
 
 def signature_declaration(source: Source, signature: Directive) -> Following:
-    """Return the declaration that a `@Signature` states."""
+    """Return the declaration that `@Signature` states; `Endless` if its text ends with a comma."""
     if signature.rest.endswith(","):
         return Following(Endless(0), signature.place, True)
     text = signature.rest.rstrip(":;") + (":" if source.language == "python" else ";")

@@ -143,7 +143,7 @@ class Program:
 
     @cached_property
     def externals(self) -> tuple[External, ...]:
-        """Return the `#external` statements."""
+        """Return the `#external` statements of all files, in their order."""
         return tuple(each for file in self.files for each in externals_of(file.written, file.shown))
 
     def solve(
@@ -409,7 +409,7 @@ class Answer:
 
     @property
     def cost(self) -> Mapping[int, int]:
-        """Return the cost of the answer, by priority."""
+        """Return the costs that rules minimise, as sums by priority; {} without such rules."""
         return self.resolution.cost
 
     @property
@@ -424,7 +424,7 @@ class Answer:
 
     @cached_property
     def atoms(self) -> frozenset[clingo.Symbol]:
-        """Return the atoms that hold."""
+        """Return the true atoms, facts included, without the auxiliary ones of this package."""
         control, own = self.grounding.control, predicate_of(_STAGE)
         facts = (atom.symbol for atom in control.symbolic_atoms if atom.is_fact)
         chosen = map(as_symbol, self.resolution.answer.taken)

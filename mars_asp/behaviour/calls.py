@@ -151,7 +151,7 @@ def prepared(
 def _parameter_order(
     signature: Signature, given: Parameter | None, inputs: Sequence[EntryPoint], shown: str
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]] | None:
-    """Return a decorator that passes each input to its parameter; None if the order is right.
+    """Return a decorator that passes each of `inputs` to its parameter; None if they fit.
 
     Raises:
         UnfitError: nothing feeds a parameter, or several inputs have names that are not parameters.

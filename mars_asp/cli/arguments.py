@@ -137,11 +137,11 @@ class Parser(argparse.ArgumentParser):
         return super().format_help()
 
     def options(self) -> list[argparse.Action]:
-        """Return the options."""
+        """Return the arguments that begin with a dash, `--help` among them."""
         return [action for action in self._actions if action.option_strings]
 
     def positionals(self) -> list[argparse.Action]:
-        """Return the positional arguments."""
+        """Return the arguments that are no options, in the order of the command line."""
         return [action for action in self._actions if not action.option_strings]
 
     def defaults(self) -> dict[str, Any]:
@@ -201,7 +201,7 @@ class _Formatter(argparse.HelpFormatter):
 
 
 def parser_of(word: str) -> tuple[ModuleType, Parser]:
-    """Return the module of a command, whose word may be an alias, and its parser."""
+    """Return the module and parser of a command; `word` is its name or an alias."""
     verb = ALIASES.get(word, word)
     module = importlib.import_module(f"mars_asp.cli.{_MODULES.get(verb, verb)}")
     description = (module.__doc__ or "").partition("\n")[0]

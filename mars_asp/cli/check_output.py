@@ -136,7 +136,7 @@ def _unhidden(checked: Sequence[Checked], remarks: Iterable[Result]) -> list[Res
 def _diagnostic_text(
     results: Iterable[Result], arguments: argparse.Namespace, stream: object
 ) -> Iterator[str]:
-    """Yield the lines of results in the text format that is requested."""
+    """Yield the lines of results in the requested format, in colours if `stream` has them."""
     isatty = getattr(stream, "isatty", None)
     on_terminal = bool(isatty and isatty())
     is_full = _is_full(arguments)

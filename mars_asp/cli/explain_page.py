@@ -344,7 +344,7 @@ def _question(absent: Sequence[Absence], module_numbers: Mapping[str, int]) -> s
 def _answers(
     project: Project, absent: Sequence[Absence], numbers: Mapping[str, int], sources: _Sources
 ) -> dict[str, Any]:
-    """Return why something is absent: for each of `names` an answer for each of `kinds`.
+    """Return as JSON why something is absent: answers by index of `names`, then of `kinds`.
 
     An answer is `null` or a list: an index of `texts`, in which `NAME` replaces the module, and the
     ids of a topic and of the lines that the text is about.

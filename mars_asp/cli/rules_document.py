@@ -73,7 +73,7 @@ def write_pages(rulebook: Rulebook, stages: Iterable[str], pack: str | None, fol
 
 
 def file_document(path: str, stage: str, outline: Outline) -> str:
-    """Return the document of a file of rules."""
+    """Return Markdown on a file of rules: name, purpose, and the predicates it reads and gives."""
     parts = [f"## {markdown(file_name(path, stage))}", markdown(outline.title), markdown(path)]
     lines = [f"Purpose: {markdown(outline.purpose)}"] if outline.purpose else []
     for name, predicates in predicates_of(outline):
@@ -143,7 +143,7 @@ def rule_summary(rule: Rule, heading: str, example: RuleExample | None) -> str:
 
 
 def predicate_document(declaration: Declaration) -> str:
-    """Return the document of a predicate."""
+    """Return Markdown on a predicate: its declaration, sentences, keys and location."""
     sentences = {"says": declaration.says, "unless": declaration.unless}
     lines = [f"{key}: {markdown(each)}" for key, found in sentences.items() for each in found]
     origin = declaration.attribution or declaration.origin
@@ -197,7 +197,7 @@ def predicate_lines(rulebook: Rulebook, stage: str) -> Iterator[str]:
 
 
 def predicate_json(declaration: Declaration) -> dict[str, object]:
-    """Return the declaration of a predicate as JSON."""
+    """Return the declaration of a predicate with the keys of `rules show --format json`."""
     return {
         "predicate": str(declaration.signature),
         "arguments": [
@@ -219,7 +219,7 @@ def predicate_json(declaration: Declaration) -> dict[str, object]:
 
 
 def rule_json(rule: Rule) -> dict[str, object]:
-    """Return a rule as JSON."""
+    """Return the metadata, location and text of a rule with the keys of the contract."""
     return {
         "id": rule.id,
         "stage": rule.stage,

@@ -63,7 +63,7 @@ def kind_document(kind: Kind) -> Iterator[str]:
 
 
 def kind_json(kind: Kind) -> dict[str, object]:
-    """Return a kind as JSON."""
+    """Return a kind of consequence or node as JSON, with the ids of its rules."""
     declared = kind.definition
     more: dict[str, object] = {}
     if declared is not None:

@@ -57,7 +57,7 @@ class Selected(NamedTuple):
 
     @property
     def has_errors(self) -> bool:
-        """Whether an error is reported."""
+        """Whether a consequence that is shown is an error."""
         return any(consequence.severity == "error" for consequence in self.shown)
 
 
@@ -285,7 +285,7 @@ class Selection:
         return Selected(tuple(shown), tuple(hidden), remarks, choice.baseline is not None)
 
     def end(self, is_whole: bool = True) -> Iterator[Diagnostic]:
-        """Write the requested baseline if all files could be read; yield remarks on baselines."""
+        """Write the baseline if requested and all files were read (`is_whole`); yield remarks."""
         for baseline in self._baselines.values():
             if "baseline" not in (self._arguments.ignore or ()):
                 yield from baseline.unmatched(self._read)

@@ -48,7 +48,7 @@ def numbers(findings: Sequence[NumberedFinding]) -> str:
 
 
 def gravest(findings: Iterable[NumberedFinding]) -> Severity:
-    """Return the gravest severity of findings."""
+    """Return `error` if any of the findings is an error, else `warning`."""
     return "error" if any(each.severity == "error" for each in findings) else "warning"
 
 
@@ -218,7 +218,7 @@ def _in_words(transformation: Transformation) -> list[str]:
 
 
 def _reason(module: Module | None, is_unread: bool) -> str:
-    """Return the reason why a module has no lines."""
+    """Return why boxes have no lines; `is_unread`: topics of the module are unknown."""
     if not is_unread:
         return "nothing is connected to them"
     return "not in the catalogue" if module is None else "not all of their topics were read"

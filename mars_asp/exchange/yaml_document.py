@@ -40,7 +40,7 @@ class Scalar:
 
 @dataclass(frozen=True, slots=True)
 class Items:
-    """A list."""
+    """A YAML sequence: its entries and its location."""
 
     nodes: tuple["Node", ...]
     span: Span

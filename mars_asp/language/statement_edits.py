@@ -24,7 +24,7 @@ class Member:
 
     @property
     def name(self) -> Token:
-        """Return the token of the name."""
+        """Return its first token, which is the name."""
         return self.tokens[0]
 
     @property
@@ -104,7 +104,7 @@ class ListEdit:
             self._append(draft, kept)
 
     def _tokens_by_line(self, draft: Draft) -> dict[int, list[Token]]:
-        """Return the tokens on each line of the statement."""
+        """Return the statement's tokens by the number of their line."""
         lines: dict[int, list[Token]] = {}
         for token in self.tokens:
             lines.setdefault(draft.line_at(token.begin), []).append(token)

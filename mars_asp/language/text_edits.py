@@ -54,7 +54,7 @@ class Draft(FileText):
 
     @property
     def last(self) -> int:
-        """Return the number of the last line."""
+        """Return the number of the last line of the original text, from 1."""
         return self.text.removesuffix("\n").count("\n") + 1
 
     def line_at(self, offset: int) -> int:
@@ -75,7 +75,7 @@ class Draft(FileText):
         self._stretches[begin, end] = text
 
     def delete(self, line: int) -> None:
-        """Delete a line."""
+        """Mark the line with this number, from 1, as deleted."""
         self._deleted.add(line)
 
     def insert(self, line: int, where: Where, lines: Iterable[str]) -> None:

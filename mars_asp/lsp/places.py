@@ -136,7 +136,7 @@ class Text:
         return self.position(len(self.lines), len(self.lines[-1]) + 1)
 
     def range(self, span: Span) -> Range:
-        """Return the range of a span."""
+        """Return the range of a location, from its first to after its last character."""
         start = self.position(span.line, span.column)
         if span.line == span.end_line and span.column == span.end_column:
             return Range(start, start)

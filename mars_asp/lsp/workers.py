@@ -54,7 +54,7 @@ class Workers:
                 self._idle.append(self._start())
 
     def end(self) -> None:
-        """End all processes."""
+        """Kill all processes, idle or working."""
         for worker in (*self._idle, *self._working):
             worker.kill()
         self._idle.clear()

@@ -91,7 +91,7 @@ class EditorWorkspace:
         return changed | {queried}
 
     def _kept_findings(self, queried: str) -> Iterator[EditorFinding]:
-        """Yield the findings of the last readable texts in lines that are unchanged since."""
+        """Yield the last findings of the file `queried` while readable, in unchanged lines."""
         findings, texts = self.readable.get(queried, ((), {}))
         for each in findings:
             place = self._place_now(each.place, texts)

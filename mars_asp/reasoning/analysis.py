@@ -131,7 +131,7 @@ class Analysis:
 
     @cached_property
     def has_errors(self) -> bool:
-        """Whether a consequence is an error."""
+        """Whether any consequence has the severity error."""
         severities = {arguments(a)[1] for a in atoms(self.grounding.control, *CONSEQUENCE)}
         return any(_severity(severity) == "error" for severity in severities)
 
@@ -261,7 +261,7 @@ def findings(analysis: Analysis) -> tuple[Diagnostic, ...]:
 
 
 def diagnostic(consequence: Consequence) -> Diagnostic:
-    """Return a consequence as a diagnostic."""
+    """Return a consequence as a diagnostic at its first location, labelled at the others."""
     label_at = dict(consequence.labels)
     return Diagnostic(
         consequence.rule.id,

@@ -43,7 +43,7 @@ class AttributeKind(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Return the name of the attribute in configurations."""
+        """Return the word by which configurations and annotations state the attribute."""
         return self.declaration.name
 
     @property

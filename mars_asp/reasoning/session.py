@@ -87,7 +87,7 @@ class Reasoner:
 
     @cached_property
     def facts(self) -> tuple[Fact, ...]:
-        """Return the facts of the project."""
+        """Return the facts that state the project to the rules."""
         return tuple(project_facts(self.project))
 
     @property

@@ -88,7 +88,7 @@ def covered(
 
 
 def is_constraint(rule: Rule) -> bool:
-    """Whether a rule is a constraint."""
+    """Whether a rule has no head."""
     return str(rule.node.head) == "#false"
 
 

@@ -335,7 +335,7 @@ def _as_expected_order(atoms: Sequence[str], exact: Sequence[Expectation]) -> li
 
 
 def _last_line(block: Block, count: int) -> int:
-    """Return the number of the last line of a block's text."""
+    """Return the number of the last line with text in a block, `count` if it has none."""
     lines = block.text.split("\n")
     last = max((n for n, line in enumerate(lines, 1) if line.strip()), default=count)
     return max(last, block.span.line)

@@ -309,7 +309,7 @@ def _of_any_text(values: Values) -> Values:
 def _converted(
     sorts: Set[str], sign: str | None, left: int | None, right: int | None
 ) -> frozenset[str]:
-    """Return the units that numbers have after multiplication or division by a constant.
+    """Return the units of numbers in `sorts` times or by (`sign`) a constant; set() if none.
 
     For example, `S * 1000` with S in seconds is in milliseconds.
     """

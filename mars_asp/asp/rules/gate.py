@@ -84,7 +84,7 @@ def included(text: str, shown: str) -> tuple[str, list[IncludedFile], list[Diagn
 
 
 def read_text(path: Path, shown: str) -> str:
-    """Return the text of a regular file within the limits.
+    """Return the text of a regular file of limited size; errors call it `shown`.
 
     Raises:
         MarsError: the file cannot be read.

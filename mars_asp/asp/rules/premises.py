@@ -35,7 +35,7 @@ def read_premises(text: str) -> Premises | None:
 
 
 def fragment_of(rule: Rule) -> Fragment:
-    """Return a rule as a fragment."""
+    """Return a rule as a fragment of a program, with its location and premises."""
     return Fragment(rule.text, rule.span.path, rule.span, premises_of_rule(rule))
 
 

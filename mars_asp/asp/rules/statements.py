@@ -684,7 +684,7 @@ class _StatementReader:
         return _scope(self.literal(literal) for literal in literals if _is_symbolic(literal))
 
     def literal(self, literal: SyntaxNode) -> Literal:
-        """Return a literal of a predicate."""
+        """Return a literal of clingo's syntax tree, an atom with its sign, as a `Literal`."""
         sign, symbol = sign_and_function(literal.atom.symbol)
         terms = tuple(map(_term, symbol.arguments))
         binds = literal.sign == ast.Sign.NoSign

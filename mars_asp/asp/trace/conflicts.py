@@ -65,7 +65,7 @@ class Instance(NamedTuple):
         return None if self.rule is None else fill(self.rule.because, self.bindings, shown)
 
     def json(self) -> dict[str, object]:
-        """Return the instance as JSON values."""
+        """Return the ground rule as JSON: text, message, location, rule and bindings."""
         place = {"path": self.span.path, "line": self.span.line, "column": self.span.column}
         found = {"text": self.text, "message": self.message, "location": place}
         found["rule"] = None if self.rule is None else rule_json(self.rule)
@@ -109,14 +109,14 @@ class Conflicts:
         return "\n".join(lines)
 
     def json(self) -> dict[str, object]:
-        """Return the conflicts as JSON values."""
+        """Return the conflicts as JSON, with whether they are complete."""
         conflicts = [conflict_json(conflict) for conflict in self.conflicts]
         satisfiable = not self.conflicts
         return {"satisfiable": satisfiable, "complete": self.complete, "conflicts": conflicts}
 
 
 def conflict_json(conflict: Conflict) -> list[dict[str, object]]:
-    """Return a conflict as JSON values."""
+    """Return the ground rules of a conflict, each as JSON."""
     return [instance.json() for instance in conflict]
 
 

@@ -46,7 +46,7 @@ def in_order(
 
 
 def needs(literal: SyntaxNode, shared: Set[str]) -> Set[str]:
-    """Return the global variables that occur in a literal."""
+    """Return those of the `shared` (global) variables that occur in a literal."""
     return names_in(literal) & shared
 
 

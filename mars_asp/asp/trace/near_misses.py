@@ -221,7 +221,7 @@ class NearMisses:
         return body, counting, rules
 
     def _least_lacking(self, rule: int, element: str, values: str) -> str:
-        """Return a rule that finds the minimal missing term for given values."""
+        """Return the text of a rule that finds the minimum of `element` for `values`."""
         number = len(self.candidates)
         query = f"{LACKING}({number},{values})"
         least = f"{_LACK} = #min {{ {element} }}; {_LACK} < #sup"

@@ -366,7 +366,7 @@ def _installed(
 
 
 def _cmake_commands(text: str) -> Iterator[_Command]:
-    """Yield each command with its words."""
+    """Yield the commands of a CMake text: the name in lower case, and the arguments."""
     before, words, depth = "", list[str](), 0
     for match in _TOKEN.finditer(text):
         token = match[0]

@@ -309,7 +309,7 @@ class CppCode:
 
     @cached_property
     def _classes(self) -> "Nested[str]":
-        """The names of the classes that are defined."""
+        """The bodies of defined classes, each a range of tokens with the class's name."""
         heads = self.class_heads
         return Nested([(head.opening, self.closed[head.opening], head.name) for head in heads])
 

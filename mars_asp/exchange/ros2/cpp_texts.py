@@ -284,7 +284,7 @@ class CppTexts:
     def _values_passed(
         self, file: ScopedCode, body: CppBody, name: str
     ) -> Iterator[tuple[CppText, bool]]:
-        """Yield the values of a parameter `name` in all calls of its function."""
+        """Yield the values that calls pass as parameter `name`, each with False: not initial."""
         groups = split(body.parameters)
         words = [[token.text for token in before(group, "=")] for group in groups]
         number = next((at for at, each in enumerate(words) if name in each[-1:]), None)

@@ -106,7 +106,7 @@ class ExpressionEvaluator(ABC, Generic[Scope]):
                 return self.other_value(node, scope, depth)
 
     def other_value(self, node: ast.expr, scope: Scope, depth: int) -> Value:
-        """Return the value of an expression of a type that only a subclass supports."""
+        """Return the value of an expression that only a subclass can read; here None."""
         return None
 
     def item(self, node: ast.Subscript, scope: Scope, depth: int) -> Value:

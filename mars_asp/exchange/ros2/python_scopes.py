@@ -287,7 +287,7 @@ def _reaching(
 def _may_come_round(
     every: Sequence[Assignment], reaching: Sequence[Assignment], place: CodePlace
 ) -> bool:
-    """Whether a loop around a place may bring a value of `every` from an earlier round."""
+    """Whether an earlier round of a loop may give a value that is not in `reaching`."""
     loops = {block for block in place.blocks if block[1] == _LOOP}
     # A round that assigns it anew in any case has none of another.
     loops -= {block for each in reaching[-1:] for block in each.place.blocks}

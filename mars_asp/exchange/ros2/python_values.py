@@ -107,7 +107,7 @@ class NoneValue:
 
 @dataclass(frozen=True, slots=True)
 class LaunchClass:
-    """A class of the file."""
+    """A class that the launch file itself defines; `of` is its definition."""
 
     of: ast.ClassDef
 
@@ -325,7 +325,7 @@ def picked(owner: Value, key: Value) -> Value:
 
 
 def folder_of(text: Text) -> Text:
-    """Return the folder of a path."""
+    """Return the folder that contains a path: without its last part, or with `/..` added."""
     if text and isinstance(text[-1], str):
         above, slash, last = text[-1].rpartition("/")
         # The folder above another is not that one.

@@ -75,5 +75,5 @@ def distinct(made: Iterable[dict[str, ast.expr]]) -> list[dict[str, ast.expr]]:
 
 
 def constants_of(node: ast.AST | None) -> dict[str, ast.expr]:
-    """Return the values that the body of a class assigns."""
+    """Return the values that the body of a class assigns, by name."""
     return {name: value for name, value in members_of(node) if isinstance(value, ast.expr)}

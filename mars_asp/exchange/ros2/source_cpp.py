@@ -362,7 +362,7 @@ class _CppFile(ScopedCode):
             yield replace(topic, name=topic.name + end), self._handle(call, name_at)
 
     def _taken(self, call: CppCall, kinds: Mapping[str, str]) -> str | None:
-        """Return the message type that the callback of a subscription takes, or None."""
+        """Return the message type that a subscription's callback (in `kinds`) takes, or None."""
         for argument in call.arguments[1:]:
             texts = [token.text for token in argument]
             if "[" in texts:

@@ -336,7 +336,7 @@ class _Unit(PythonTexts):
         return frozenset.intersection(*used) if is_known else frozenset()
 
     def is_last(self, keeper: str | None) -> bool:
-        """Whether a publisher is used only by functions that run as the program ends."""
+        """Whether the publisher in the variable `keeper` is used only as the program ends."""
         name = (keeper or "").rpartition(".")[2]
         return name in self.files.once(_used_at_the_end, self.file.tree)
 

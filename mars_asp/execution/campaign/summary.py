@@ -70,7 +70,7 @@ class Cell(NamedTuple):
 
 
 def share_passed(results: Iterable[_Result]) -> Share:
-    """Return the share of runs that passed."""
+    """Return how many of the runs passed, and the number of runs."""
     verdicts = [result["verdict"] for result in results]
     return Share(verdicts.count(PASS), len(verdicts))
 

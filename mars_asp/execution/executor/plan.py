@@ -283,7 +283,7 @@ class Plan:
         return DEFAULT_HOLD if hz is None else round(Fraction(5 * SECOND, 2) / hz)
 
     def depth(self, name: str, seen: frozenset[str] = frozenset()) -> int:
-        """Return the maximal number of arbiters and commanded controllers on paths to `name`."""
+        """Return how many arbiters and commanded controllers a path to `name` has at most."""
         if name in seen:
             return 0
         kind = self.kind(name)

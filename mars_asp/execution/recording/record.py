@@ -36,7 +36,7 @@ class Lines:
         self._write = write
 
     def observe(self, at: int, what: str, where: str, value: object) -> None:
-        """Write an event as one line."""
+        """Write an event as one line: its time (ns), its kind, its module or link, a value."""
         entries = {"ns": at, "event": what, "where": where, "value": plain(value)}
         self._write(f"{_json(entries)}\n".encode())
 

@@ -79,7 +79,7 @@ class Signs:
 
     @cached_property
     def goals(self) -> list[Goal]:
-        """Return the goals of all robots."""
+        """Return the place that each robot should reach, with how near it came and when."""
         found = []
         for robot, body in self.trial.robots:
             if robot.reach:

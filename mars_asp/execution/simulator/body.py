@@ -37,7 +37,7 @@ class Company(Protocol):
 
     @property
     def bodies(self) -> "tuple[Body, ...]":
-        """Return all robots."""
+        """Return all robots in the world, in a fixed order."""
 
     def discs(self, name: str, place: Point, reach: float) -> Floats:
         """Return centre and radius (n, 3) of the other robots within reach of a point."""

@@ -68,7 +68,7 @@ class MotionSegment:
     turn: float
 
     def at(self, seconds: float) -> Pose:
-        """Return the pose at a time."""
+        """Return the pose at a time in seconds of the run."""
         return move(self.pose, self.ahead, self.aside, self.turn, seconds - self.since)
 
     @property

@@ -44,7 +44,7 @@ class Circle:
 
     @property
     def moves(self) -> bool:
-        """Whether the circle moves."""
+        """Whether the circle has a speed and a path of positive length."""
         return bool(self.speed and self._gone[-1])
 
     def leg(self, seconds: float) -> tuple[float, ...]:
@@ -305,7 +305,7 @@ def _segment_distances(point: Point, segments: Floats) -> Floats:
 
 
 def origin_distances(segments: Floats) -> Floats:
-    """Return the distances of segments (..., 4) from the origin."""
+    """Return the least distance of each of `segments` (..., 4) from the point (0, 0)."""
     nearest = nearest_points(np.zeros(2), segments)
     distances: Floats = np.hypot(nearest[..., 0], nearest[..., 1])
     return distances

@@ -212,7 +212,7 @@ class _Robot:
 
     @cached_property
     def cost(self) -> Mapping[str, int]:
-        """Return the costs of the specification."""
+        """Return the costs of its specification by the names of levels; {} without one."""
         found = self._reasoner.synthesis
         return by_name({} if found is None else found.resolution.cost)
 
@@ -360,7 +360,7 @@ def _unmet(
 
 
 def _order_of(line: ExpectationLine, robot: _Robot) -> str | None:
-    """Return the actual order of the controllers of the line's module, or None if it has one."""
+    """Return the actual order of the controllers of the line's module; None if unknown."""
     module = line.text.partition(":")[0]
     return next((each for each in robot.orders if each.partition(":")[0] == module), None)
 

@@ -108,7 +108,7 @@ class _TreeFacts:
         self.first: dict[frozenset[tuple[Term, ...]], int] = {}
 
     def of_tree(self) -> Iterator[Fact]:
-        """Yield all facts."""
+        """Yield all facts of the tree: of its nodes, muxes, relays, files and defaults."""
         path = self.tree.path
         for node in self.tree.nodes:
             yield from self.of_node(node)
@@ -179,7 +179,7 @@ class _TreeFacts:
         return number, found
 
     def of_node(self, node: GraphNode) -> Iterator[Fact]:
-        """Yield the facts of a node."""
+        """Yield the facts of a node: its names, topics, remappings and parameter files."""
         number, facts = self.of_start(node, node.package)
         yield from facts
         flags = {
@@ -232,7 +232,7 @@ class _TreeFacts:
             yield _fact_at(end.span, "sent_last", number)
 
     def of_mux(self, mux: Mux) -> Iterator[Fact]:
-        """Yield the facts of a mux."""
+        """Yield the facts of a mux: its output, parameter files and inputs."""
         number, facts = self.of_start(mux, mux.engine)
         yield from facts
         yield _fact_at(mux.span, "selects_for", number, Atom(mux.engine), mux.output)
@@ -249,7 +249,7 @@ class _TreeFacts:
                 yield _fact_at(each.span, "holds_forever", first.atom.arguments[0])
 
     def of_relay(self, relay: Relay) -> Iterator[Fact]:
-        """Yield the facts of a relay."""
+        """Yield the facts of a relay: its start, and the topics that it connects."""
         number, facts = self.of_start(relay, "")
         yield from facts
         yield _fact_at(relay.span, "relays", number, relay.source, relay.target)

@@ -198,7 +198,7 @@ class Annotations:
             self._draft.insert(line, "behind", [marks.before + text + marks.after])
 
     def _before(self, directive: Directive, lines: list[str]) -> None:
-        """Write annotations on lines of their own before another; after it if code precedes."""
+        """Write annotations on own lines before `directive`; after it if code precedes it."""
         marks = self._marks(directive)
         line = self._draft.line_at(directive.offset)
         if marks is None:

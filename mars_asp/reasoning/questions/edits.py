@@ -130,7 +130,7 @@ class EditedTexts:
 
     @cached_property
     def relationships(self) -> Mapping[int, Relationship]:
-        """Return the relationships by identifier."""
+        """Return the relationships of the configuration by their numbers in facts."""
         return dict(numbered(self.project.configuration.relationships))
 
     @cached_property
@@ -141,7 +141,7 @@ class EditedTexts:
 
     @cached_property
     def annotations(self) -> Mapping[int, Service | Function]:
-        """Return the annotations by identifier."""
+        """Return the annotations of modules by their numbers in facts."""
         found = numbered_annotations(self.project.configuration, self.project.described)
         return {number: annotation for number, _, annotation in found}
 
@@ -157,7 +157,7 @@ class EditedTexts:
         return self._read[path]
 
     def text(self, path: str) -> str:
-        """Return the text of a file."""
+        """Return the unedited text of a `.mars` file or annotated source, by its path."""
         return (
             self.mars_files[path].text
             if path in self.mars_files
@@ -284,7 +284,7 @@ class _Drafts:
 
     @property
     def main(self) -> Draft:
-        """Return the draft of the configuration."""
+        """Return the draft of the configuration file itself, not of an included one."""
         return self.file(self.texts.path)
 
     def annotations(self, span: Span) -> Annotations:
@@ -295,7 +295,7 @@ class _Drafts:
         return self.statement_of(self.texts.relationships[number.number])
 
     def statement_of(self, relationship: Relationship) -> _Statement:
-        """Return the statement of a relationship."""
+        """Return the statement that states a relationship, with its file's draft and prefix."""
         tokens = self.texts.mars_files[relationship.span.path].statement_at(relationship.span)
         prefix = prefix_of(ends_of(relationship)[0], tokens[0].name)
         return _Statement(self.file(relationship.span.path), tokens, prefix)

@@ -101,7 +101,7 @@ def _connected(
 def _parted(
     sharing: Sequence[str], heard: Mapping[Signature, Sequence[TermId]]
 ) -> Sequence[TermId]:
-    """Return the atoms of hold times, with a unique hold at each module but the first."""
+    """Return the hold times in `heard`; each of `sharing` but the first gets a new, unique one."""
     declared = {arguments(atom)[0]: atom for atom in heard[_HOLD]}
     taken = {as_symbol(arguments(atom)[1]) for atom in declared.values()}
     free = (each for each in map(clingo.Number, count(1)) if each not in taken)

@@ -213,7 +213,7 @@ def _excluded(
 
 
 def _sentences(found: Blame) -> str | None:
-    """Return the change that gives it and an existing thing that may be meant, or None."""
+    """Return the change that gives what is missing, and what else may be meant, or None."""
     if found.to_get is None:
         return None
     return ". ".join(filter(None, (found.to_get, found.beside))) + "."
@@ -465,7 +465,7 @@ def _first_words(words: Sequence[str]) -> Sequence[str]:
 def _cheapest(
     analysis: Analysis, patterns: Sequence[clingo.Symbol], deadline: float | None
 ) -> tuple[str | None, Mapping[int, int] | None]:
-    """Return the cheapest atom that matches a pattern, and its additional cost by level."""
+    """Return the cheapest atom that fits a pattern, and its extra cost by level; or Nones."""
     # The atom that decides a node is the first argument of `spec_node`.
     decided = [each.arguments[0] if each.name == "spec_node" else each for each in patterns]
     atoms = [

@@ -18,7 +18,7 @@ from mars_asp.reasoning.synthesis.draft import SpecificationDraft
 
 
 class _DataLine(NamedTuple):
-    """One data line."""
+    """A data line of the derived specification: its term, client and feeder."""
 
     line: TermId
     client: TermId
@@ -26,7 +26,7 @@ class _DataLine(NamedTuple):
 
 
 class DataLines:
-    """Writes the lines of each source once."""
+    """Writes the data lines of a specification: for each source once, along its converters."""
 
     def __init__(
         self, draft: SpecificationDraft, derived: SpecifiedAtoms, places: Mapping[TermId, int]

@@ -39,7 +39,7 @@ class SpecifiedAtoms:
         grounding.state({signature: atoms(control, *signature) for signature in found})
 
     def atoms(self, predicate: Signature) -> Sequence[TermId]:
-        """Return the atoms of a predicate."""
+        """Return the atoms of a predicate that the rules of `STAGE` derived."""
         return atoms(self._grounding.control, *predicate)
 
     def rows(self, name: str, arity: int) -> list[Sequence[TermId]]:
@@ -52,7 +52,7 @@ class SpecifiedAtoms:
 
     @cached_property
     def kinds(self) -> Mapping[TermId, str]:
-        """Return the kind of each node."""
+        """Return the kind of each introduced node, by the term of the node."""
         return {node: self.text(kind) for node, kind in self.rows(_NODE.name, _NODE.arity)}
 
     @cached_property

@@ -160,14 +160,14 @@ class InheritanceNodes:
     # ---- candidates ----
 
     def _fitting(self, node: str, riders: Sequence[str]) -> list[str]:
-        """Return the riders with fitting providers and controllers, else controllers, else all."""
+        """Return the riders whose ends fit the node's; else by controllers only; else all."""
         led = [name for name in riders if self._is_led_so(node, name)]
         fed = set(self.fed(node))
         exact = [name for name in led if self._providers(node, name) == fed]
         return exact or led or list(riders)
 
     def _is_led_so(self, node: str, name: str) -> bool:
-        """Whether a module's direct controllers are those that use its native functions."""
+        """Whether the node's and the module's own controllers use what each of them gives."""
         if any(service.kind == "ControlOut" for service in self._services(name)):
             return False
         native = self.functions(name)

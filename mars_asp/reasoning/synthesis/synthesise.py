@@ -37,7 +37,7 @@ class Synthesis:
     preferences: tuple[Preference, ...] = ()
 
     def cost(self, level: int) -> int:
-        """Return the cost at a level."""
+        """Return the cost at a level (priority), 0 if nothing is minimised there."""
         return self.resolution.cost.get(level, 0)
 
     def bound(self, level: int) -> int:
