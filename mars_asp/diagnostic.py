@@ -176,5 +176,5 @@ class MarsError(Exception):
 
 
 def refusal(code: str, message: str, place: str, help_text: str | None = None) -> MarsError:
-    """Return an error about an argument of the command, or about a file as a whole."""
+    """Return an error at `place`: an argument of the command, or a file as a whole."""
     return MarsError([Diagnostic(code, "error", message, whole_file(place), help=help_text)])

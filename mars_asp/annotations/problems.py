@@ -29,7 +29,7 @@ class Problems:
         severity: Severity = "error",
         labels: tuple[tuple[Span, str], ...] = (),
     ) -> None:
-        """Report a problem between two offsets."""
+        """Add a diagnostic with this code and message for the text between two offsets."""
         span, excerpt = self.span(begin, end), self.source.excerpt(begin)
         self.found.append(Diagnostic(code, severity, message, span, labels, help_text, excerpt))
         self.errors += severity == "error"
@@ -42,7 +42,7 @@ class Problems:
         help_text: str,
         labels: tuple[tuple[Span, str], ...] = (),
     ) -> None:
-        """Report an annotation at its `@`."""
+        """Add a diagnostic at the `@` of an annotation."""
         self.note(code, directive.offset, directive.end, message, help_text, labels=labels)
 
     def note_wrong(self, directive: Directive, *wrong: ArgumentProblem) -> None:

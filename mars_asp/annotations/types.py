@@ -76,7 +76,7 @@ class _TypeReader:
         return False
 
     def union(self) -> str | None:
-        """Read `A | None`; other unions have no one representation."""
+        """Return the type of `A | None`, which is A; None for other unions."""
         self.depth += 1
         if self.depth > _MOST_DEPTH:
             raise _UnreadableError
@@ -120,7 +120,7 @@ class _TypeReader:
                 return
 
     def bracketed(self) -> str | None:
-        """Read `[]T`, `[N]T` (Go) or `[T]`, `[T; N]` (Rust)."""
+        """Read `[]T`, `[N]T` (Go), `[T]` or `[T; N]` (Rust): an array, or None."""
         self.take()
         if self.accept("]"):
             return _sequence(self.term())
@@ -319,7 +319,7 @@ def _type_arguments(arguments: list[str | None]) -> str:
 
 
 def _applied(words: list[str], arguments: list[str | None] | None) -> str | None:
-    """Return a name with its arguments, without wrappers such as `shared_ptr`."""
+    """Return a type with its arguments, wrappers such as `shared_ptr` omitted; None if unknown."""
     last = words[-1]
     name = "::".join([*(word for word in words[:-1] if word not in ROS_FOLDERS), last])
     first = arguments[0] if arguments else None

@@ -279,7 +279,7 @@ class Session:
         externals: Externals | None = None,
         parts: Sequence[str] = ("base",),
     ) -> "Answer":
-        """Return the result of `Program.solve`, found once."""
+        """Return the result of `Program.solve` with these arguments, memoized."""
         values = (tuple(sorted((each or {}).items())) for each in (constants, externals))
         key = (*values, tuple(parts))
         if key not in self._answers:
@@ -574,7 +574,7 @@ def _externals(values: Externals, path: str) -> dict[clingo.Symbol, bool | None]
 def _check_externals(
     given: Mapping[clingo.Symbol, bool | None], known: Collection[clingo.Symbol], path: str
 ) -> None:
-    """Refuse values of atoms that are not external.
+    """Raise MarsError if some of the `given` atoms are not external (`known`).
 
     Raises:
         MarsError: there are such values.

@@ -62,7 +62,7 @@ class Stepper:
         return copied(self._call(*map(copied, inputs)))
 
     def command(self, *inputs: Any, at: float | None = None) -> Command | None:
-        """Return the command of a controller for its inputs, checked as in a run; like `step`.
+        """Return the command of a controller, checked as in a run, or None; see `step`.
 
         Raises:
             ValueError, TypeError: the result is not a command.

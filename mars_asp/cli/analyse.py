@@ -74,7 +74,7 @@ def analysis_lines(
 
 
 def analysis_json(project: Project, analysis: Analysis, selected: Selected) -> dict[str, object]:
-    """Return the reported consequences with the keys of the contract of the command line."""
+    """Return the reported (`selected`) consequences as JSON of the command's contract."""
     configuration = project.configuration
     return {
         "configuration": {

@@ -238,7 +238,7 @@ def _document_text(
     arguments: argparse.Namespace,
     status: int,
 ) -> str:
-    """Return the results in a format for programs."""
+    """Return the results in the requested format for programs; `status` is the exit status."""
     if arguments.format == "json":
         return f"{encoded(_check_document(checked, remarks, arguments))}\n"
     if arguments.format == "junit":

@@ -363,7 +363,7 @@ def _resting(answer: Explanation, lines: Sequence[Span]) -> Iterator[Topic]:
 
 
 def _absent(reasoner: Reasoner, answer: Explanation, only: Sort | None) -> Sequence["Absence"]:
-    """Return for each module why it has no further nodes or consequences."""
+    """Return why modules lack further nodes or consequences; `only` selects one sort."""
     from mars_asp.reasoning.questions.absences import absences
 
     names = [name.text for name in reasoner.project.configuration.modules]

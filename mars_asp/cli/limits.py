@@ -89,9 +89,9 @@ def check_outputs(arguments: argparse.Namespace) -> None:
 
 
 def seconds_to_search(arguments: argparse.Namespace) -> float | None:
-    """Return the seconds for a search such that its result is judged and printed in time.
+    """Return the seconds that a search may take, None without a time limit.
 
-    Judging takes about as long as everything before the search.
+    Judging and printing the result takes about as long as everything before the search.
     """
     if arguments.time_limit is None:
         return None
@@ -100,7 +100,7 @@ def seconds_to_search(arguments: argparse.Namespace) -> float | None:
 
 
 def memory_limit(arguments: argparse.Namespace) -> float | None:
-    """Return the memory limit in megabytes: `--memory-limit`, else half of the available memory."""
+    """Return the memory limit in MB: the option, else half of the memory; None if unknown."""
     if arguments.memory_limit is not None:
         return float(arguments.memory_limit)
     bounds = [bound for bound in (_machine(), *_containers()) if bound]

@@ -175,7 +175,7 @@ def _mended(found: LintResult) -> int:
 
 
 def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
-    """Return the text about the rule of an id, a predicate, or a file of rules.
+    """Return the text about a rule (by id), predicate or file; `with_source` adds its code.
 
     Raises:
         MarsError: nothing has that name.
@@ -222,7 +222,7 @@ def rule_or_kind_text(name: str, arguments: argparse.Namespace) -> str | None:
 
 
 def shown_json(rulebook: Rulebook, name: str) -> dict[str, object]:
-    """Return the content of `shown` as JSON.
+    """Return the JSON of `rules show` on a rule id, predicate or file.
 
     Raises:
         MarsError: there is no such rule, predicate or file.

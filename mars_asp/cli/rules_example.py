@@ -29,14 +29,14 @@ class RuleExample(NamedTuple):
 
 
 def rule_example(rule: Rule, rulebook: Rulebook) -> RuleExample | None:
-    """Return the example of a rule: solved if its case is available, else from the table."""
+    """Return the example of a rule, solved if its case exists, else from the table; or None."""
     if rule.because is None:
         return None
     return _solve_example(rule, rulebook) or tabled_example(rule)
 
 
 def tabled_example(rule: Rule, solved: RuleExample | None = None) -> RuleExample | None:
-    """Return the example of a rule from the table of the wheel, or the `solved` one if it has none.
+    """Return the example of a rule in the table of the wheel, else `solved`, which may be None.
 
     A build enters solved examples in this way.
     """

@@ -210,7 +210,7 @@ def _without_text(name: str, found: Sequence["ViolatedClause"], width: int) -> I
 def _compare(
     arguments: argparse.Namespace, verification: Verification, project: Project, rulebook: Rulebook
 ) -> SpecificationComparison:
-    """Compare the cost of a specification with the minimal cost by synthesis."""
+    """Return the cost of a verified specification and the minimal cost, found by synthesis."""
     seconds = arguments.time_limit
     deadline = None if seconds is None else time.monotonic() + seconds
     try:

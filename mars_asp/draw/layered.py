@@ -195,7 +195,7 @@ def _widths_with_loops(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> l
 
 
 def _distance(u: int, v: int, widths: Sequence[float], boxes: int) -> float:
-    """Return the minimal distance between the centres of the neighbours `u` and `v`."""
+    """Return the minimal distance of the centres of `u` and `v`; the first `boxes` are boxes."""
     thin = not (widths[u] and widths[v]) and max(u, v) >= boxes
     return (widths[u] + widths[v]) / 2 + (LINES if thin else NEAR)
 
@@ -203,7 +203,7 @@ def _distance(u: int, v: int, widths: Sequence[float], boxes: int) -> float:
 def _port_offsets(
     chains: Sequence[Sequence[int]], place: Mapping[int, int], widths: Sequence[float]
 ) -> list[tuple[float, float]]:
-    """Return for each link how far from the centres of its boxes it begins and ends."""
+    """Return for each link its offsets from the centres of the boxes at its two ends."""
     below, above = defaultdict(list), defaultdict(list)
     for index, chain in enumerate(chains):
         below[chain[0]].append((place[chain[1]], index))

@@ -88,7 +88,7 @@ def left_out(whole: Picture, shown: Picture) -> str | None:
 
 
 def _outwards(picture: Picture, name: str | None) -> Iterator[int]:
-    """Yield the indices of all boxes by distance from the named box, the busiest first.
+    """Yield the indices of all boxes: nearer to the named box first, then busier ones first.
 
     Unconnected boxes follow, beginning with the busiest one.
     """

@@ -97,7 +97,7 @@ def dump_of(text: str) -> str | None:
 
 
 def is_launch(text: str) -> bool:
-    """Whether a text is a launch file."""
+    """Whether a text is a launch file of ROS, in Python, XML or YAML."""
     return _LAUNCH.is_in(text[:_HEAD])
 
 

@@ -65,7 +65,7 @@ def _has_parts(module: Module) -> bool:
 def _split_lines(
     line: Relationship, every: Mapping[str, Module], split: Mapping[str, Mapping[str, int]]
 ) -> Iterator[Relationship]:
-    """Yield the relationships between parts that replace a relationship."""
+    """Yield the relationships that replace one whose ends are split into parts."""
     if not isinstance(line, Data):
         yield line
         return

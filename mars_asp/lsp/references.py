@@ -77,7 +77,7 @@ def same_module(
 def _keys(
     robot: EditorRobot, file: OpenFile, mention: Occurrence, annotated: set[str], blocks: set[str]
 ) -> Iterator[_Key]:
-    """Yield the keys of an occurrence; occurrences of one module share a key."""
+    """Yield the identities of an occurrence; occurrences that share one are of the same module."""
     name = mention.name
     if not is_configuration(file.path) or (mention.role == "describing" and name not in blocks):
         yield _SOURCES, name

@@ -312,7 +312,7 @@ class _Server(LanguageServer):
     # ---- Requests of the editor ------------------------------------------------------------------
 
     async def hover(self, params: types.HoverParams) -> types.Hover | None:
-        """Return the hover text at a location."""
+        """Return the hover text at a location, or None without one."""
         path, position = self._request_place(params)
         rules_here = self._workspace.rule_text(path)
         if rules_here is not None:
@@ -390,14 +390,14 @@ class _Server(LanguageServer):
         return [self._protocol.symbol(*each) for each in found]
 
     def prepare_rename(self, params: types.PrepareRenameParams) -> types.Range | None:
-        """Return the range of the name at a location that can be renamed."""
+        """Return the range of the module name at a location, or None if there is none."""
         path, position = self._request_place(params)
         scene = self._workspace.context(path)
         found = None if scene is None else renamed_range(scene, position)
         return None if found is None else range_of(found)
 
     def rename(self, params: types.RenameParams) -> types.WorkspaceEdit | None:
-        """Return the edits that rename a module."""
+        """Return the edits that rename a module, or None if it cannot be renamed."""
         path, position = self._request_place(params)
         scene = self._workspace.context(path)
         if scene is None:

@@ -174,7 +174,7 @@ def _bracketed(
 def _operator(
     tokens: Sequence[SourceToken], head: Sequence[SourceToken], at: int
 ) -> SourceDeclaration | None:
-    """Return the function of an `operator`; for a conversion its type follows this word."""
+    """Return the function whose `operator` is token `at`, or None; `head` precedes it."""
     stop = at + 1
     if text_at(tokens, stop) == "(":
         stop += 2
@@ -270,7 +270,7 @@ def _trailing(tokens: Sequence[SourceToken], at: int) -> str | None:
 def _old_style(
     tokens: Sequence[SourceToken], found: Sequence[Sequence[SourceToken]], end: int
 ) -> tuple[DeclaredParameter, ...] | None:
-    """Return parameters in K&R style, whose types follow the brackets; None for others."""
+    """Return the parameters `found` in K&R style, whose types begin at token `end`, or None."""
     names = [declarator[0].text for declarator in found if len(declarator) == 1]
     following = text_at(tokens, end)
     if not names or len(names) < len(found) or not is_word(following):

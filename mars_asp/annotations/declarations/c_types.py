@@ -120,7 +120,7 @@ def _after_name(tokens: Sequence[SourceToken], at: int) -> int:
 
 
 def type_text(parts: Sequence[Unit]) -> str | None:
-    """Return a type without specifiers and without the macros around it.
+    """Return the text of a type without specifiers and macros, or None if it names no type.
 
     Among several names, the last one without the form of a macro is the type.
     """

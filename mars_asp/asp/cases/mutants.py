@@ -116,7 +116,7 @@ class MutatedFile:
 
 
 def rule_file(path: str, stage: str, content: bytes) -> MutatedFile:
-    """Return a file of rules with the statements that can be mutated."""
+    """Return a file of rules, given as bytes, with the statements that can be mutated."""
     starts = [0]
     starts += accumulate(len(line) + 1 for line in content.split(b"\n"))
     # Columns count bytes in clingo.

@@ -240,7 +240,7 @@ def _same_sort(pattern: clingo.Symbol, found: clingo.Symbol) -> bool:
 
 
 def _nearest(pattern: clingo.Symbol, atoms: Sequence[clingo.Symbol]) -> str | None:
-    """Return the atom of the same predicate that agrees most, or else one of a similar name."""
+    """Return the atom most similar to a pattern, of its predicate or a similar name, or None."""
     same = [atom for atom in atoms if plain(atom.name) == pattern.name]
     if same:
         best = max(sorted(same), key=lambda atom: _agreement(pattern, atom))

@@ -62,7 +62,7 @@ def superfluous(clauses: Sequence[Clause], judged: frozenset[int]) -> Iterator[L
 def _by_rarest(
     alike: Mapping[_About, Sequence[int]], marks: Mapping[int, frozenset[_Mark]]
 ) -> dict[_About, dict[_Mark, list[int]]]:
-    """Return the rules with equal heads, grouped by their rarest mark."""
+    """Return the numbers of rules by head, then by the mark (`_marks`) that fewest rules have."""
     counts = Counter(mark for each in marks.values() for mark in each)
     found: dict[_About, dict[_Mark, list[int]]] = {}
     for about, numbers in alike.items():
@@ -74,7 +74,7 @@ def _by_rarest(
 
 
 def _marks(clause: Clause) -> frozenset[_Mark]:
-    """Return the marks of a rule: the kinds of its literals, and their constants and functions."""
+    """Return the features of a rule to compare: its literals, their constants and functions."""
     found: set[_Mark] = set(clause.kinds)
     for literal in (clause.node.head, *clause.node.body):
         kind = kind_of(literal)

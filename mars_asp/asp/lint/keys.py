@@ -22,7 +22,7 @@ from mars_asp.asp.signature import Signature
 def apart_by_keys(
     clause: Clause, declared: Mapping[Signature, Declaration], replaced: Set[str]
 ) -> Iterator[LintFinding]:
-    """Yield bodies that require two facts where the key of the predicate allows only one."""
+    """Yield bodies that need two facts, although the predicate's key allows only one."""
     first = _contradicted_key(clause, ClauseScope(), clause.body, declared, replaced)
     if first is not None:
         yield first

@@ -20,7 +20,7 @@ _VARIABLE = re.compile(r'"(?:\\.|[^"\\])*"|(?<!\w)_*[A-Z]\w*\'*')
 def open_messages(
     clause: Clause, reported: frozenset[Signature], functions: "MessageFunctions"
 ) -> Iterator[LintFinding]:
-    """Yield the variables of a finding's message that two derivations may fill differently."""
+    """Yield the holes of a message whose values the finding (in `reported`) does not determine."""
     rule = clause.rule
     if rule.because is None or clause.sort != "rule":
         return

@@ -87,7 +87,7 @@ def _exact_value(
 
 
 def _computed(sign: str, values: Sequence[int | None]) -> int | None:
-    """Return the value of an operation in clingo, with integers of any size."""
+    """Return the result of an operation with unlimited integers, None if a value is unknown."""
     match sign, values:
         case "-", [int(one)]:
             return -one

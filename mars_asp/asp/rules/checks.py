@@ -240,7 +240,7 @@ def misused_heads(
 def misplaced_statements(
     written: Iterable[Piece], stage: str, seal: Seal, contract: Contract, shown: str
 ) -> Iterator[Diagnostic]:
-    """Yield errors for the statements of a pack, except rules, that would affect other files."""
+    """Yield errors for a pack's statements, except rules, that would affect other files."""
     for piece in written:
         place = point(shown, *piece.begin)
         match piece.sort:
@@ -276,7 +276,7 @@ def misplaced_statements(
 def costs_too_high(
     found: Iterable[Statement], contract: Contract, shown: str
 ) -> Iterator[Diagnostic]:
-    """Yield the costs in a pack's file that would outrank those of the built-in rules."""
+    """Yield errors for costs on levels above those that `contract` allows packs."""
     for cost in found:
         level = cost.level or ""
         if contract.trusted or (_NUMBER.fullmatch(level) and int(level) < contract.free_below):

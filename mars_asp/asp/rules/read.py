@@ -64,7 +64,7 @@ class RuleFile(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Return the prefix of the ids of its rules."""
+        """Return the common prefix of the ids of the file's rules."""
         return file_name(self.shown, self.stage)
 
 
@@ -234,7 +234,7 @@ class NameSpace(NamedTuple):
 def wrong_packs(
     spaces: Sequence[NameSpace], sealed: Seal, contract: Contract
 ) -> Iterator[Diagnostic]:
-    """Yield all violations of packs, and the reasons why their rules would never fire."""
+    """Yield errors for rules of packs that violate `contract`, or could never fire."""
     files = [file for space in spaces for file in space.files]
     # One call for all takes less time than single ones.
     statements_of(rule.text for file in files for rule in file.rules)
@@ -269,7 +269,7 @@ def _reader(space: NameSpace, stage: str, others: Sequence[NameSpace], sealed: S
 def _wrong_rules(
     space: NameSpace, reader: Reader, sealed: Seal, contract: Contract
 ) -> Iterator[Diagnostic]:
-    """Yield the faults of the rules of one stage of a pack."""
+    """Yield errors for the rules of a pack in the stage of `reader`."""
     rules = [rule for rule in space.rules if rule.stage == reader.stage]
     read = statements_of(rule.text for rule in rules)
     entries: set[str] = set()

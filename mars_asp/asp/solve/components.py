@@ -103,7 +103,7 @@ def partition(
 def _ordered(
     members: Sequence[int], projected: set[int], names: Mapping[int, TermId]
 ) -> tuple[int, ...]:
-    """Return the atoms of a component in the order of their new numbers."""
+    """Return the atoms of a component in their new order: `projected` ones first, by name."""
     entries = [atom for atom in members if atom in projected]
     if names:
         entries.sort(key=lambda atom: text(names[atom]))

@@ -136,7 +136,7 @@ class NoAnswerError(MarsError):
 
 
 class Part(NamedTuple):
-    """A component, the ground atoms for its numbers from 1, and its optimum."""
+    """A component with its optimum; `atoms[n - 1]` is the ground atom for its number n."""
 
     component: Component
     atoms: tuple[int, ...]

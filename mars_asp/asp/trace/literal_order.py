@@ -87,7 +87,7 @@ def _is_factor(term: SyntaxNode) -> bool:
 
 
 def _turn(names: Set[str], turn: tuple[SyntaxNode, set[str]]) -> tuple[bool, bool]:
-    """Return a sort key: literals that bind nothing first, then those with bound variables."""
+    """Return a sort key: literals that bind nothing first, then those that use `names`."""
     literal, new = turn
     return bool(new - names), not names_in(literal) & names
 

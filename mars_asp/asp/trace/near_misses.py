@@ -286,7 +286,7 @@ class _Match:
         return all(map(self._term, function.arguments, pattern.arguments))
 
     def shown(self, literal: SyntaxNode) -> str:
-        """Return a literal as text, with the pattern's texts in place of new variables."""
+        """Return a literal as text, new variables written as in the pattern."""
         return _MADE_UP.sub(lambda name: self._meant[name[0]], str(literal))
 
     def _fresh(self, meant: str) -> str:

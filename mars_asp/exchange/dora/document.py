@@ -115,7 +115,7 @@ class _DataflowReader:
         self.alone: set[str] = set()
 
     def wrong(self, span: Span, message: str, help_text: str, *labels: tuple[Span, str]) -> None:
-        """Add an error to `problems`."""
+        """Add an error with a message and help to `problems`."""
         self.problems.append(Diagnostic("dora", "error", message, span, labels, help_text))
 
     def read(self, root: Node) -> None:

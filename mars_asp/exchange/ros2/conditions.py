@@ -64,7 +64,7 @@ def _of_value(value: Value, wanted: bool, span: Span) -> Iterator[Test]:
 
 
 def tests_of_text(text: Text, wanted: bool, span: Span) -> Iterator[Test]:
-    """Yield the tests of an expression in a launch file: booleans, and comparisons of arguments."""
+    """Yield tests that hold if an expression is true or, if not `wanted`, false."""
     held: list[Part] = [part for part in text if not isinstance(part, str)]
     if not held and wanted and text_of(*text) == ():
         return

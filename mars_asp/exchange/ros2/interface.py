@@ -85,7 +85,7 @@ def agreed(pairs: Iterable[tuple[str, T]]) -> dict[str, T | None]:
 
 
 def rate_of(period: Fraction) -> Rate | None:
-    """Return the rate of a period in seconds above 0, if it can be written exactly."""
+    """Return the rate of a period in seconds, above 0; None if it cannot be written exactly."""
     try:
         return Rate(1 / period)
     except ValueError:

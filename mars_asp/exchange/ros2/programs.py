@@ -233,7 +233,7 @@ class Programs:
     def _compiled(
         self, package: Package, sources: Iterable[str], linked: Iterable[str] = ()
     ) -> Interface | None:
-        """Return the interface of C++ sources and the headers that they include.
+        """Return the interface of C++ sources and their headers; None if no file can be read.
 
         A `linked` file counts only if its own header is among these: a library may also hold
         other nodes.
@@ -256,7 +256,10 @@ class Programs:
         component: str = "",
         others: Collection[str] = (),
     ) -> Interface | None:
-        """Return the interface of C++ files and their headers, without classes in `others`."""
+        """Return the interface of C++ files and their headers; None if no file can be read.
+
+        The classes `others` are ignored. A `linked` file counts only if its own header is included.
+        """
         texts: dict[Path, str] = {}
         waiting = list(reversed(files))
         # Headers are reached if a source includes them.

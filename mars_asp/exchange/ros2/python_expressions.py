@@ -132,7 +132,7 @@ class ExpressionEvaluator(ABC, Generic[Scope]):
                 return None
 
     def elements(self, items: Sequence[ast.expr], scope: Scope, depth: int) -> Iterator[Value]:
-        """Yield the elements of a list, starred ones unpacked up to `MOST_ITEMS` elements."""
+        """Yield the values of list elements; `*x` is unpacked, up to `MOST_ITEMS`."""
         left = MOST_ITEMS
         for item in items:
             found = self.value(item, scope, depth + 1)

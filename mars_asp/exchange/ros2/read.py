@@ -769,7 +769,7 @@ class _WorkspaceRobot:
     def _without_source(
         self, started: Started, full: str, name: str, values: Mapping[str, GivenParameter]
     ) -> GraphNode:
-        """Return a node without topics, of a program whose source is unknown."""
+        """Return the node `full` of a program whose source is unknown, without topics."""
         sort = "topics of nodes with neither a source here nor an entry in the catalogue"
         marker = self.workspace.marker_of(f"$(find-pkg-share {started.package})")
         if marker is not None:

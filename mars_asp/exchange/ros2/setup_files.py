@@ -33,7 +33,7 @@ def _console_scripts(texts: PythonTexts) -> Iterator[ast.expr]:
 
 
 def _is_list(listed: ast.expr, texts: PythonTexts, text: str) -> bool:
-    """Whether an expression is a list, or a variable whose list is never changed."""
+    """Whether an expression is a list, or a variable whose list the file never changes."""
     if isinstance(listed, ast.Name):
         is_changed = re.search(rf"\b{listed.id}\s*(?:\.\w|\+=|\[)", text) is not None
         return not is_changed and isinstance(

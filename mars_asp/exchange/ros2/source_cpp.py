@@ -461,7 +461,7 @@ def _aliased(kind: str | None, aliases: Mapping[str, str | None]) -> str | None:
 
 
 def _used_if(files: Sequence["_CppFile"], keeper: str, texts: CppTexts) -> set[tuple[str, bool]]:
-    """Return the ROS parameters, with values, that decide whether a publisher is used at all."""
+    """Return the ROS parameters, with values, that decide whether publisher `keeper` is used."""
     places = [(file, at) for file in files for at in file.publications.get(keeper, ())]
     used = [file.switches(at, texts) for file, at in places[:_MOST_FOLLOWED]]
     return set.intersection(*used) if 0 < len(places) <= _MOST_FOLLOWED else set()

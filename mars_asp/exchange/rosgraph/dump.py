@@ -68,11 +68,11 @@ class Dump:
             self.wrong(span, f"`{name[:40]}` cannot be a name", "write a name of one visible line")
 
     def skip(self, sort: str, name: str, span: Span) -> None:
-        """Add an entry to `unread`."""
+        """Add an entry of a sort and name to `unread`, the skipped contents."""
         self.unread.append(Unread(sort, name, span))
 
     def wrong(self, span: Span, message: str, help_text: str) -> None:
-        """Add an error to `problems`."""
+        """Add an error with a message and help to `problems`."""
         self.problems.append(Diagnostic("rosgraph", "error", message, span, help=help_text))
 
     def maps(self, node: Node | None, what: str) -> Iterator[Pairs]:

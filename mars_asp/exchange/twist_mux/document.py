@@ -127,7 +127,7 @@ class _MuxReader:
         return MuxDocument(tuple(self.muxes), tuple(self.unread), tuple(self.problems))
 
     def wrong(self, span: Span, message: str, help_text: str, *labels: tuple[Span, str]) -> None:
-        """Add an error to `problems`."""
+        """Add an error with a message and help to `problems`."""
         self.problems.append(Diagnostic("mux", "error", message, span, labels, help_text))
 
     def find(self, node: Pairs, names: tuple[str, ...]) -> None:

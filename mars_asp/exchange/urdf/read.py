@@ -82,7 +82,7 @@ def import_urdf(text: str, path: str) -> Parsed:
 
 
 def import_urdfs(files: Sequence[tuple[str, str]]) -> Parsed:
-    """Return the configuration of the only document, a text and its path, as for a foreign file.
+    """Return the configuration of the single file in `files`, a pair of text and path.
 
     Raises:
         MarsError: the document has errors, or there are several.

@@ -327,7 +327,7 @@ def _unknown_provider(node: str, name: str, span: Span) -> Diagnostic:
 
 
 def _stands_for_none(plan: Plan, node: str, span: Span) -> Iterator[Diagnostic]:
-    """Yield errors if an InheritanceNode does not represent exactly one module."""
+    """Yield errors if the InheritanceNode `node` does not represent exactly one module."""
     named = plan.inheriting.stands_for(node)
     if len(named) > 1:
         names = " or ".join(f"`{name}`" for name in sorted(named))

@@ -112,7 +112,7 @@ class Body:
         return self.world.distance(self.place, self.seconds) - self.radius
 
     def rays(self, origin: Point, angles: Floats, reach: float) -> Floats:
-        """Return the lengths of rays from a point of this robot now: see `World.rays`."""
+        """Return the lengths (mm) of rays from a point, at angles in radians, as `World.rays`."""
         discs = () if self.company is None else (self.company.discs(self.name, origin, reach),)
         return self.world.rays(origin, angles, reach, self.seconds, *discs)
 
@@ -174,7 +174,7 @@ class Body:
             self.take(way, min(seconds, self.until), fastest)
 
     def take(self, way: MotionSegment, at: float, fastest: float) -> None:
-        """Move along a segment up to a time in seconds, and record it."""
+        """Move along a segment until `at` (seconds); others drive at most `fastest` mm/s."""
         spent, speed = at - self.seconds, way.speed
         self.driven += speed * spent
         self.both += spent * bool(speed and way.turn)

@@ -92,7 +92,7 @@ def sonar(
     reach: float = 3000.0,
     sigma: float = 0.0,
 ) -> Callable[[float], list[float]]:
-    """Return the reader of a ring of sonars; beam k points to k * 360 / beams degrees.
+    """Return a function from a time to the ranges (mm) of sonars at k * 360 / beams degrees.
 
     The range of a beam is the minimum over `rays` rays in its cone, or inf without a hit.
     """
@@ -167,7 +167,7 @@ def odometry(body: Body, noise: Random, *, sigma: float = 0.0) -> Callable[[floa
 def marks(
     body: Body, place: Place, *, view: float = 60.0, reach: float = 5000.0
 ) -> Callable[[float], list[tuple[str, float, float]]]:
-    """Return the reader of a camera: (colour, bearing, distance) of each visible mark."""
+    """Return a function from a time to (colour, bearing, distance) of each mark a camera sees."""
 
     def read(seconds: float) -> list[tuple[str, float, float]]:
         pose = place(seconds)

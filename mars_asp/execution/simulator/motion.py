@@ -90,7 +90,7 @@ class MotionSegment:
         return np.stack([self.pose.forward + c * x - s * y, self.pose.side + s * x + c * y], axis=1)
 
     def enters(self, place: Point, radius: float, until: float) -> float | None:
-        """Return the first time up to `until` at which the centre is within `radius` of a place."""
+        """Return when the centre first is within `radius` of a place, or None by `until`."""
         p, q = self.pose.forward - place[0], self.pose.side - place[1]
         if hypot(p, q) <= radius:
             return self.since

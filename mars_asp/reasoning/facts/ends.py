@@ -129,7 +129,7 @@ def _has_several_inputs(module: Module) -> bool:
 def ends_of_specification(
     configuration: Configuration, described: Mapping[str, Module], specification: Configuration
 ) -> Ends:
-    """Return the ends of a configuration, extended for the lines of its specification.
+    """Return the ends of a configuration, extended by the ports that its specification names.
 
     A port that only the specification names is the output of a source with a single output, or the
     only named port of an undescribed source. The only input of a client is the same end with and

@@ -47,7 +47,7 @@ class Read:
 
 
 def read(source: Source) -> Read:
-    """Read the annotations of a source without errors."""
+    """Return a source with its annotations, without those that have errors."""
     found = [found for found in directives(source) if isinstance(found, Directive)]
     return Read(source, found, {source.position(d.offset): n for n, d in enumerate(found)})
 

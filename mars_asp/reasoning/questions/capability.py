@@ -68,7 +68,7 @@ class CapabilityVerdict:
 
     @property
     def rule(self) -> str | None:
-        """Return the id of the deciding rule."""
+        """Return the id of the rule that decides the verdict, or None if it is unknown."""
         return next((t.rule.id for t in self.traces if isinstance(t, Derived)), None)
 
     @property
@@ -138,7 +138,7 @@ def capability(project: Project, rulebook: Rulebook, query: str) -> CapabilityAn
 
 
 def _accounts(project: Project, evidence: Evidence, count: int) -> Sequence[Account]:
-    """Return the explanation of each demand."""
+    """Return the explanations of the demands 1 to `count`."""
     keys: list[Key] = [(_KIND, as_term(clingo.Number(i)), _CASE) for i in range(1, count + 1)]
     rules, atoms_of = speakers(evidence.rulebook, ["capability"]), partial(true_atoms, evidence)
     accounts = explanations(

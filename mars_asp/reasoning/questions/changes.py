@@ -172,7 +172,7 @@ class _Values:
         return name
 
     def _end(self, term: Symbol) -> tuple[str, str | None]:
-        """Return the module and port of an output or input in a change; it may be new."""
+        """Return module and port of an output or input; `new(N)` is a new module without port."""
         if term.type == SymbolType.String and term.string not in self._names:
             port = self._ports.get(term.string)
             if port is not None:

@@ -314,7 +314,7 @@ def _facts_by_span(facts: Iterable[Fact], rates: Rates) -> Mapping[Span, _LineFa
 def _changes(
     before: _Side, after: _Side, old: Iterable[_DiffEntry[Item]], new: Iterable[_DiffEntry[Item]]
 ) -> Iterator[Change[Item]]:
-    """Yield the changes between two lists of entries, paired by their keys, with their causes."""
+    """Yield the changes from `old` to `new` entries, paired by key, with their causes."""
     pairs = tuple(_pairs(old, new))
     old_traces = before.explainer.why([gone.atom for _, gone, _ in pairs if gone is not None])
     new_traces = after.explainer.why([come.atom for _, _, come in pairs if come is not None])

@@ -166,7 +166,7 @@ def _excluded(trace: Trace) -> _Lack:
 def _insufficient(
     attempt: NearMiss, pattern: clingo.Symbol, declared: Mapping[Signature, Declaration]
 ) -> _Lack:
-    """Return the lack that existing lines do not suffice, or that an atom was merely not chosen."""
+    """Return the lack of a rule instance: it needs more lines, or was not chosen."""
     if attempt.fails is None:
         return _Lack("it is possible, but the minimal specification does without it")
     leaves = [leaf for held in attempt.held for leaf in leaves_of(held)]

@@ -314,7 +314,7 @@ def node_term(held: clingo.Symbol, kind: str | None) -> str:
 
 
 def unrealised_answer(title: str, evidence: Evidence, whole: Analysis) -> WhyNot:
-    """Return the answer that nothing realises the configuration."""
+    """Return the answer that nothing realises the configuration, so `title` cannot exist."""
     analysis = evidence.analysis
     against = sorted(analysis.grounding.symbols(UNRESOLVABLE.name, UNRESOLVABLE.arity))
     obstacles = tuple(evidence.explainer.why(against).values())
