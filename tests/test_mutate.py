@@ -33,6 +33,14 @@ def texts(folder: Path, text: str) -> list[tuple[str, str]]:
     return [(mutant.change, mutant.after) for mutant in rule_mutants(file)]
 
 
+def test_a_level_can_be_negative_or_a_variable(tmp_path: Path) -> None:
+    found = texts(tmp_path, "#minimize { 1@L, X : p(X, L) }. #minimize { 1@-3 : q }. :~ r. [1@2]")
+    assert [change for change, _ in found if change.startswith("level")] == [
+        "level -3 -> 2",
+        "level 2 -> -3",
+    ]
+
+
 def test_mutants_of_rules(tmp_path: Path) -> None:
     """Unsafe rules, such as one with an unbound variable in its head, are not mutants."""
     most, rest = "most(N) :- N = #max { M: q(X,M) }", "1 <= { r(X) } <= 2"

@@ -140,7 +140,8 @@ def written(tree: SyntaxNode) -> str:
 
 def rule_mutants(file: MutatedFile) -> Iterator[Mutant]:
     """Yield the mutants of a file, without texts that do not parse or are unsafe."""
-    levels = sorted({_level(s.tree) for s in file.statements if s.tree.ast_type == Kind.Minimize})
+    costs = (each.tree for each in file.statements if each.tree.ast_type == Kind.Minimize)
+    levels = sorted({level for level in map(_level, costs) if level is not None})
     for place, statement in enumerate(file.statements):
         before = statement.text
         seen = {before}
@@ -152,18 +153,23 @@ def rule_mutants(file: MutatedFile) -> Iterator[Mutant]:
                 yield Mutant(file.path, statement.line, change, before, after, place)
 
 
-def _level(tree: SyntaxNode) -> int:
-    number: int = tree.priority.symbol.number
-    return number
+def _level(tree: SyntaxNode) -> int | None:
+    """Return the level of a minimise statement, or None if it is a variable."""
+    try:
+        return clingo.parse_term(str(tree.priority), lambda *_: None).number
+    except RuntimeError:
+        return None
 
 
 def _of_cost(tree: SyntaxNode, levels: Sequence[int]) -> Iterator[_Variant]:
     """Yield the variants of a minimise statement: another level, weight or direction."""
     if tree.ast_type != Kind.Minimize:
         return
-    place = levels.index(_level(tree))
-    for other in (*levels[max(0, place - 1) : place], *levels[place + 1 : place + 2]):
-        yield tree.updated(priority=term_of(str(other))), f"level {levels[place]} -> {other}"
+    level = _level(tree)
+    if level is not None:
+        place = levels.index(level)
+        for other in (*levels[max(0, place - 1) : place], *levels[place + 1 : place + 2]):
+            yield tree.updated(priority=term_of(str(other))), f"level {level} -> {other}"
     negated = term_of("-X").updated(argument=tree.weight)
     yield tree.updated(weight=negated), "#minimize -> #maximize"
     if tree.weight.ast_type != Kind.SymbolicTerm:
