@@ -205,34 +205,26 @@ def misused_heads(
     pool = head_pool(text) if len(rule) > 1 else None
     for statement in rule:
         entries = sorted({each.unsigned for each in statement.derives} & extended)
-        if entries and not statement.forces:
+        place = statement.place
+        if not entries:
+            continue
+        if not statement.forces:
             negated = len(statement.heads) == 1 and not statement.head.binds
             where = "after `not`" if negated else "in a choice, disjunction or condition"
-            yield Diagnostic(
-                "rule-head",
-                "error",
-                f"`{entries[0]}` occurs {where}",
-                placed(span, statement.place),
-                help="findings must follow from the facts: write a rule with this head alone",
-            )
+            message = f"`{entries[0]}` occurs {where}"
+            advice = "findings must follow from the facts: write a rule with this head alone"
+        elif pool is not None:
+            place = pool
+            message = f"`{entries[0]}` occurs in a pool, or contains one"
+            advice = "write a rule for each, or bind a variable in the body: `X = (a; b)`"
+        elif not statement.head.signature.positive:
+            message = f"`-{entries[0]}` denies a finding"
+            advice = "only findings are reported: leave out the rule"
+        else:
+            continue
+        yield Diagnostic("rule-head", "error", message, placed(span, place), help=advice)
+        if not statement.forces or pool is not None:
             return
-        if entries and pool is not None:
-            yield Diagnostic(
-                "rule-head",
-                "error",
-                f"`{entries[0]}` occurs in a pool, or contains one",
-                placed(span, pool),
-                help="write a rule for each, or bind a variable in the body: `X = (a; b)`",
-            )
-            return
-        if entries and not statement.head.signature.positive:
-            yield Diagnostic(
-                "rule-head",
-                "error",
-                f"`-{entries[0]}` denies a finding",
-                placed(span, statement.place),
-                help="only findings are reported: leave out the rule",
-            )
     if any(each.derives & extended for each in rule):
         yield from contract.judge(rule, text, span)
 
