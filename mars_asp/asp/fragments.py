@@ -1,14 +1,15 @@
 """Texts that clingo grounds as one, their premises, and the locations of its error messages."""
 
 import re
-from collections.abc import Iterable, Iterator, Sequence, Set
+from collections.abc import Hashable, Iterable, Iterator, Sequence, Set
 from functools import lru_cache
 from itertools import chain
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from mars_asp.asp.signature import plain
 from mars_asp.diagnostic import Diagnostic, Span, point
 
+_Name = TypeVar("_Name", bound=Hashable)
 _UNDEFINED = "operation undefined: "
 #: A string, or the text between strings.
 _TEXT = re.compile(r'"(?:\\.|[^"\\])*"?|[^"]+')
@@ -66,7 +67,7 @@ def fact_fragment(text: str, names: Iterable[str]) -> Fragment:
     return Fragment(text, "facts", premises=premises)
 
 
-def firing(rules: Sequence[tuple[Set[str], Set[str]]], known: Iterable[str]) -> Set[int]:
+def firing(rules: Sequence[tuple[Set[_Name], Set[_Name]]], known: Iterable[_Name]) -> Set[int]:
     """Return the indices of the rules that can fire, given the predicates in `known`.
 
     A rule is (needed names, derived names). It can fire if each needed predicate is known or

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence, Set
 
+from mars_asp.asp.fragments import firing
 from mars_asp.asp.lint.clauses import Clause
 from mars_asp.asp.lint.found import LintFinding, found
 from mars_asp.asp.rules.declarations import Declaration
@@ -52,24 +53,17 @@ def unfounded(
 ) -> Iterator[LintFinding]:
     """Yield predicates that are derived only from each other, so that they have no atoms."""
     rules: dict[Signature, list[int]] = {}
+    circular: list[tuple[Set[Signature], Set[Signature]]] = []
     for number, clause in enumerate(clauses):
-        for head, _ in clause.heads:
-            if head.signature not in circle:
-                continue
+        for head, condition in clause.heads:
+            own = circle.get(head.signature)
+            needed = (*clause.body.positive, *condition.positive)
             # A rule with its head as premise has a finding of its own.
-            if head.text not in {atom.text for atom in clause.body.positive}:
+            if own is not None and head.text not in {atom.text for atom in clause.body.positive}:
                 rules.setdefault(head.signature, []).append(number)
-    founded: set[Signature] = set()
-    waiting = True
-    while waiting:
-        more = {
-            signature
-            for signature, numbers in rules.items()
-            if signature not in founded
-            and any(_begins(clauses[number], signature, circle, founded) for number in numbers)
-        }
-        founded |= more
-        waiting = bool(more)
+                inside = {a.signature for a in needed if circle.get(a.signature) == own}
+                circular.append((inside, {head.signature}))
+    founded = {each for number in firing(circular, ()) for each in circular[number][1]}
     entries: set[int] = set()
     for signature, numbers in rules.items():
         if signature not in founded and numbers[0] in judged and circle[signature] not in entries:
@@ -79,17 +73,6 @@ def unfounded(
             what = " and ".join(others) if len(others) > 1 else "itself"
             message = f"`{signature}` is derived from {what} alone, so it never holds"
             yield clause.finding(UNDEFINED, message, clause.node, "add a rule to begin with")
-
-
-def _begins(
-    clause: Clause, signature: Signature, circle: Mapping[Signature, int], founded: Set[Signature]
-) -> bool:
-    """Whether all premises of a rule in the component of `signature` are already `founded`."""
-    needed = [*clause.body.positive]
-    for head, condition in clause.heads:
-        needed += condition.positive if head.signature == signature else ()
-    own = circle[signature]
-    return all(each.signature in founded or circle.get(each.signature) != own for each in needed)
 
 
 def documented_in_vain(
