@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from mars_asp.asp.lint.clauses import Aggregate, Clause, Element, name_of
 from mars_asp.asp.lint.found import LintFinding
-from mars_asp.asp.rules.trees import Kind, below, names_in
+from mars_asp.asp.rules.trees import Kind, below, names_in, names_of
 
 AGGREGATE = "rule-aggregate"
 _SUMS = ("sum", "sum+")
@@ -20,7 +20,7 @@ def wrong_aggregates(clause: Clause) -> Iterator[LintFinding]:
                 yield from _element(clause, aggregate, element, bound)
         for _, guard in aggregate.guards:
             name = name_of(guard)
-            inside = {each for one in aggregate.elements for each in names_in(one.node)}
+            inside = names_of(each.node for each in aggregate.elements)
             others = clause.aggregates[:number] + clause.aggregates[number + 1 :]
             if (
                 name is not None
@@ -37,8 +37,8 @@ def _fixed_choice(clause: Clause) -> Iterator[LintFinding]:
     if clause.sort != "choice" or len(clause.heads) != 1:
         return
     ((head, condition),) = clause.heads
-    names = frozenset[str]().union(*(names_in(each.node) for each in condition.atoms))
-    bound = frozenset[str]().union(*(names_in(each.node) for each in clause.body.positive))
+    names = names_of(each.node for each in condition.atoms)
+    bound = names_of(each.node for each in clause.body.positive)
     own = names_in(head.node)
     if own and names and own | names <= bound:
         variables = " and ".join(f"`{name}`" for name in sorted(own))
@@ -51,14 +51,9 @@ def _fixed_choice(clause: Clause) -> Iterator[LintFinding]:
 
 
 def _is_bound_elsewhere(clause: Clause, name: str | None, others: tuple[Aggregate, ...]) -> bool:
-    atoms = {each for atom in clause.body.positive for one in atom.terms for each in names_in(one)}
-    compared = {
-        each
-        for one in clause.body.comparisons
-        if one.sign == "="
-        for each in names_in(one.left) | names_in(one.right)
-    }
-    guards = {each for one in others for _, guard in one.guards for each in names_in(guard)}
+    atoms = names_of(term for atom in clause.body.positive for term in atom.terms)
+    compared = names_of(one for each in clause.body.comparisons for one, _ in each.equal)
+    guards = names_of(guard for each in others for _, guard in each.guards)
     return name in atoms | compared | guards
 
 
@@ -67,9 +62,9 @@ def _element(
 ) -> Iterator[LintFinding]:
     first, *rest = element.terms
     counted = [first, *rest] if aggregate.function not in _SUMS else rest
-    entries = frozenset().union(*(names_in(term) for term in element.terms))
+    entries = names_of(element.terms)
     local = entries - bound
-    inside = frozenset().union(*(names_in(atom.node) for atom in element.scope.atoms))
+    inside = names_of(each.node for each in element.scope.atoms)
     if aggregate.function in _SUMS and not rest:
         if lost := _lost(element, entries | bound):
             message = f"`{first!s}` is added once, however many {lost} have it"

@@ -18,7 +18,7 @@ from mars_asp.asp.rules.trees import (
     SyntaxNode,
     elements_of,
     guards_of,
-    names_in,
+    names_of,
 )
 from mars_asp.asp.signature import Signature
 from mars_asp.diagnostic import Span
@@ -135,15 +135,11 @@ class Clause:
     @cached_property
     def bound(self) -> frozenset[str]:
         """Return the global variables of the rule."""
-        found = {name for atom in self.body.atoms for each in atom.terms for name in names_in(each)}
-        for each in self.body.comparisons:
-            found |= names_in(each.left) | names_in(each.right)
-        for aggregate in self.aggregates:
-            found = found.union(*(names_in(guard) for _, guard in aggregate.guards))
-        for atom, condition in self.heads:
-            if not condition.atoms:
-                found |= {name for each in atom.terms for name in names_in(each)}
-        return frozenset(found)
+        heads = (atom for atom, condition in self.heads if not condition.atoms)
+        found = [term for atom in (*self.body.atoms, *heads) for term in atom.terms]
+        found += (one for each in self.body.comparisons for one, _, _ in each.sides)
+        found += (guard for aggregate in self.aggregates for _, guard in aggregate.guards)
+        return names_of(found)
 
     @cached_property
     def kinds(self) -> frozenset[tuple[object, ...]]:
@@ -286,16 +282,16 @@ def _clause(rule: Rule, node: SyntaxNode) -> Clause:
 
 
 def _heads(head: SyntaxNode) -> tuple[Sort, list[tuple[ClauseAtom, ClauseScope]]]:
-    if head.ast_type is Kind.Literal:
-        if head.atom.ast_type is Kind.SymbolicAtom:
-            return ("rule" if head.sign == 0 else "other"), [(_clause_atom(head), ClauseScope())]
-        return ("constraint" if str(head) == "#false" else "other"), []
     found = [
         (_clause_atom(literal), _scope(condition))
         for (*_, literal), condition in elements_of(head)
         if literal.atom.ast_type is Kind.SymbolicAtom
     ]
-    return _SORTS.get(head.ast_type, "other"), found
+    if head.ast_type is not Kind.Literal:
+        return _SORTS.get(head.ast_type, "other"), found
+    if found:
+        return ("rule" if head.sign == 0 else "other"), found
+    return ("constraint" if str(head) == "#false" else "other"), found
 
 
 def _aggregate(literal: SyntaxNode) -> Aggregate:

@@ -2,9 +2,15 @@
 
 from collections.abc import Callable, Iterator, Sequence
 
-from mars_asp.asp.lint.clauses import Aggregate, Clause, ClauseAtom, Comparison, name_of
+from mars_asp.asp.lint.clauses import (
+    Aggregate,
+    Clause,
+    ClauseAtom,
+    Comparison,
+    name_of,
+)
 from mars_asp.asp.lint.found import LintFinding
-from mars_asp.asp.rules.trees import names_in
+from mars_asp.asp.rules.trees import names_in, names_of
 from mars_asp.asp.solve.disjoint_sets import DisjointSets
 
 JOIN = "rule-join"
@@ -33,7 +39,7 @@ def _unjoined(
     group = DisjointSets[str]()
     for atom in atoms:
         group.join(tuple(names_in(atom.node)))
-    bound = frozenset[str]().union(*(names_in(atom.node) for atom in atoms))
+    bound = names_of(each.node for each in atoms)
     nodes = [*(each.node for each in comparisons), *(each.node for each in aggregates)]
     others = [names_in(node) for node in nodes]
     for each in comparisons:
@@ -45,7 +51,7 @@ def _unjoined(
     for aggregate in aggregates:
         for sign, guard in aggregate.guards:
             if sign == "=":
-                inside = frozenset().union(*(names_in(one.node) for one in aggregate.elements))
+                inside = names_of(each.node for each in aggregate.elements)
                 group.join(tuple(names_in(guard) | (inside & clause.bound)))
     first: dict[str, ClauseAtom] = {}
     for atom in atoms:

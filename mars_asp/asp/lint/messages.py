@@ -9,7 +9,7 @@ from mars_asp.asp.lint.found import LintFinding, found
 from mars_asp.asp.lint.values import KnownValue, Value
 from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.rule import HOLE, Rule
-from mars_asp.asp.rules.trees import names_in
+from mars_asp.asp.rules.trees import names_in, names_of
 from mars_asp.asp.signature import Signature
 from mars_asp.asp.units import UNITS
 
@@ -117,7 +117,7 @@ class MessageFunctions:
                     if names_in(other) <= more:
                         more |= names_in(one)
             for aggregate in clause.aggregates:
-                inside = frozenset[str]().union(*(names_in(one.node) for one in aggregate.elements))
+                inside = names_of(each.node for each in aggregate.elements)
                 for sign, guard in aggregate.guards:
                     if sign == "=" and inside & clause.bound - names_in(guard) <= more:
                         more |= names_in(guard)
@@ -131,7 +131,7 @@ class MessageFunctions:
         if len(given) == len(atom.terms):
             return frozenset()
         settled = self.settled(atom.signature, given)
-        return frozenset[str]().union(*(names_in(atom.terms[at]) for at in settled))
+        return names_of(atom.terms[at] for at in settled)
 
     def settled(self, signature: Signature, given: frozenset[int]) -> frozenset[int]:
         """Return the positions of arguments that those at `given` determine, `given` included."""
@@ -146,7 +146,7 @@ class MessageFunctions:
             rules = self._rules.get(signature, [])
             if len(rules) == 1:
                 ((clause, head),) = rules
-                names = frozenset[str]().union(*(names_in(head.terms[at]) for at in given))
+                names = names_of(head.terms[at] for at in given)
                 fixed = self.closed(clause, names)
                 self._settled[key] = frozenset(
                     at for at in every if names_in(head.terms[at]) <= fixed

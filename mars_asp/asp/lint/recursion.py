@@ -12,7 +12,7 @@ from mars_asp.asp.lint.clauses import (
 )
 from mars_asp.asp.lint.found import LintFinding
 from mars_asp.asp.lint.orders import parted
-from mars_asp.asp.rules.trees import Kind, SyntaxNode, names_in
+from mars_asp.asp.rules.trees import Kind, SyntaxNode, names_in, names_of
 from mars_asp.asp.signature import Signature
 
 RECURSION, NEGATION = "rule-recursion", "rule-negation"
@@ -49,8 +49,8 @@ def _growing(
     clause: Clause, head: ClauseAtom, again: list[ClauseAtom], atoms: tuple[ClauseAtom, ...]
 ) -> Iterator[LintFinding]:
     others = [a for a in atoms if a.sign == 0 and a not in again]
-    bounded = frozenset[str]().union(*(names_in(a.node) for a in others))
-    carried = frozenset[str]().union(*(names_in(a.node) for a in again))
+    bounded = names_of(each.node for each in others)
+    carried = names_of(each.node for each in again)
     ends = (_is_led(clause, head, again, bounded), _shrinks(clause, head, carried))
     if any(ends) or _is_counted(clause, head, again):
         return
@@ -125,7 +125,7 @@ def _is_counted(clause: Clause, head: ClauseAtom, again: list[ClauseAtom]) -> bo
 
 def _shrinks(clause: Clause, head: ClauseAtom, carried: frozenset[str]) -> bool:
     """Whether an argument is reduced in each recursion (`X/2`, `X-1`) and compared with a bound."""
-    compared = frozenset[str]().union(*(names_in(each.node) for each in clause.body.comparisons))
+    compared = names_of(each.node for each in clause.body.comparisons)
     return any(
         operation_of(term) in ("/", "-")
         and number_of(term.right) is not None

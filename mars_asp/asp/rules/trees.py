@@ -155,11 +155,14 @@ def extent_of(node: SyntaxNode | ast.AST) -> Extent:
 def names_in(node: SyntaxNode) -> frozenset[str]:
     """Return the names of the variables in a tree, but for `_`."""
     if node._names is None:
-        if node.ast_type is Kind.Variable:
-            node._names = _variable_set(node.name)
-        else:
-            node._names = _NONE.union(*map(names_in, node.children)) if node.children else _NONE
+        is_variable = node.ast_type is Kind.Variable
+        node._names = _variable_set(node.name) if is_variable else names_of(node.children)
     return node._names
+
+
+def names_of(nodes: Iterable[SyntaxNode]) -> frozenset[str]:
+    """Return the names of the variables in several trees, but for `_`."""
+    return _NONE.union(*map(names_in, nodes))
 
 
 @lru_cache(maxsize=1024)
@@ -197,12 +200,11 @@ def global_names(nodes: Iterable[SyntaxNode]) -> frozenset[str]:
     These variables are global, as are those of guards; the scope of other variables is their own
     element (ASP-Core-2, section 2.1; gringo's local variables).
     """
-    found = _NONE
+    found: list[SyntaxNode] = []
     for node in nodes:
         atom = atom_of(node)
-        outside = guards_of(atom) if atom.ast_type in WITH_ELEMENTS else (node,)
-        found = found.union(*map(names_in, outside))
-    return found
+        found += guards_of(atom) if atom.ast_type in WITH_ELEMENTS else (node,)
+    return names_of(found)
 
 
 def elements_of(

@@ -8,7 +8,7 @@ from mars_asp.asp.rules.trees import (
     Kind,
     SyntaxNode,
     elements_of,
-    names_in,
+    names_of,
 )
 from mars_asp.asp.solve.atoms import term_text
 
@@ -23,7 +23,7 @@ def group_key(rule: str, group: SyntaxNode, outside: Set[str]) -> str:
     these.
     """
     inside = (group,) if group.ast_type == Kind.ConditionalLiteral else group.elements
-    names = sorted(frozenset[str]().union(*map(names_in, inside)) & outside)
+    names = sorted(names_of(inside) & outside)
     return f"k({','.join((rule, term_text(f'{group} for {names}'), *names))})"
 
 

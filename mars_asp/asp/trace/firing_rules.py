@@ -42,7 +42,7 @@ from mars_asp.asp.rules.trees import (
     elements_of,
     global_names,
     guards_of,
-    names_in,
+    names_of,
     with_variables,
 )
 from mars_asp.asp.signature import Signature
@@ -123,7 +123,7 @@ class Rewriter:
         for head, condition in atoms_of_head(statement):
             terms, literals = Terms(), (*statement.body, *condition)
             shown = terms.atom(head.atom.symbol, fresh_complex=True)
-            found = names_in(head).union(*map(names_in, Terms.definitions_of(literals)))
+            found = names_of((head, *Terms.definitions_of(literals)))
             names = {name for name in found if not name.startswith(_OWN)}
             query = [asking(shown)]
             yield from self.instance(number, _NUMBER, shown, query, literals, terms, names)
@@ -361,13 +361,10 @@ def atoms_of_head(statement: SyntaxNode) -> Iterator[tuple[SyntaxNode, Sequence[
     """
     head = statement.head
     found = [(entries[-1], condition) for entries, condition in elements_of(head)]
-    shared = frozenset[str]()
-    if any(condition for _, condition in found):
-        outside = global_names((head, *statement.body))
-        shared = shared.union(*map(names_in, statement.body)) - outside
+    shared = names_of(statement.body) - global_names((head, *statement.body))
     for literal, condition in found:
         if literal.atom.ast_type == Kind.SymbolicAtom:
-            clashing = shared & frozenset[str]().union(*map(names_in, (literal, *condition)))
+            clashing = shared & names_of((literal, *condition))
             own = {name: f"{_OWN}{name}" for name in clashing}
             yield with_variables(literal, own), [with_variables(each, own) for each in condition]
 

@@ -21,6 +21,7 @@ from mars_asp.asp.rules.trees import (
     global_names,
     guards_of,
     names_in,
+    names_of,
 )
 
 
@@ -106,7 +107,7 @@ def _provides(literal: SyntaxNode, bound: Set[str], shared: Set[str]) -> set[str
             for guard in guards_of(atom):
                 if COMPARISONS[guard.comparison] == "=":
                     new |= provided(guard.term)
-            inside = frozenset[str]().union(*map(names_in, atom.elements)) & shared
+            inside = names_of(atom.elements) & shared
             return new if inside <= bound and global_names([literal]) <= bound | new else None
     return set() if needs(literal, shared) <= bound else None
 

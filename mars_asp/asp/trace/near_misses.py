@@ -36,6 +36,7 @@ from mars_asp.asp.rules.trees import (
     SyntaxNode,
     global_names,
     names_in,
+    names_of,
     with_variables,
 )
 from mars_asp.asp.signature import Signature, signature_of
@@ -240,7 +241,7 @@ class NearMisses:
             return (), "taken", []
         if literal.ast_type == Kind.ConditionalLiteral:
             inner, condition = literal.literal, literal.condition
-            known = bound.union(*map(names_in, condition))
+            known = bound | names_of(condition)
             if inner.atom.ast_type != Kind.SymbolicAtom or names_in(inner) - known:
                 return (), "test", []
             _, lack, tests = self._instead(inner, terms, known)
@@ -254,7 +255,7 @@ class NearMisses:
                 return (), f"holds({shown})", [self._rewriter.source(shown, symbol)]
             sign, function = sign_and_function(symbol)
             named = [terms.named(argument) for argument in function.arguments]
-            bound |= frozenset[str]().union(*map(names_in, named)) - names_in(function)
+            bound |= names_of(named) - names_in(function)
             parts = [pattern_term(argument, bound) for argument in named]
             return (), f"no({function_text(f'{sign}{function.name}', parts)})", []
         if literal.atom.ast_type not in AGGREGATES:
