@@ -8,12 +8,10 @@ from functools import cache, cached_property
 from itertools import chain
 from pathlib import Path
 
-from mars_asp.annotations.comments import blanked
-from mars_asp.annotations.declarations.tokens import text_at, tokenise
 from mars_asp.diagnostic import MarsError, Span, point
 from mars_asp.exchange.ros2.interface import Interface
 from mars_asp.exchange.ros2.setup_files import scripts_of_configuration, scripts_of_setup
-from mars_asp.exchange.ros2.source_cpp import read_cpp
+from mars_asp.exchange.ros2.source_cpp import REGISTERS, parsed_file, read_cpp
 from mars_asp.exchange.ros2.source_python import PythonPrograms
 from mars_asp.exchange.ros2.workspace import Package, Workspace
 from mars_asp.model.graph import AbsentFile
@@ -26,10 +24,8 @@ _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"\n]+)[>"]', re.MULTI
 _OF_ROS = re.compile(
     r"\bros|\brcl|nodelet|pluginlib|image_transport|advertise|subscribe|create_|class_loader|Node"
 )
-_REGISTERS = frozenset({"RCLCPP_COMPONENTS_REGISTER_NODE", "PLUGINLIB_EXPORT_CLASS"})
-_REGISTERING = re.compile("|".join(sorted(_REGISTERS)))
 #: A source of a program or component of its own.
-_STARTS = re.compile(rf"\b(?:int\s+main\s*\(|{'|'.join(_REGISTERS)})")
+_STARTS = re.compile(rf"\b(?:int\s+main\s*\(|{'|'.join(REGISTERS)})")
 _MOST_FILES = 100
 #: The first two arguments of a function for parameters, and variables with values.
 _ARGUMENT = r"(?:[^,;()]|\([^()]*\))*"
@@ -417,20 +413,12 @@ class Programs:
         for files in self._sources.values():
             for file in files:
                 text = self.workspace.readable(file)
-                if not any(word in text for word in _REGISTERS):
-                    continue
-                code = blanked("c", text)
-                first = _REGISTERING.search(code)
-                tokens = tokenise(code[first.start() :]) if first else []
-                for at, token in enumerate(tokens):
-                    if token.text in _REGISTERS and text_at(tokens, at + 1) == "(":
-                        end = at + 2
-                        while text_at(tokens, end) not in ("", ")", ","):
-                            end += 1
-                        name = "".join(each.text for each in tokens[at + 2 : end])
-                        kinds = {text_at(tokens, each) for each in range(end, end + 5)}
-                        is_node = text_at(tokens, end) == ")" or "Nodelet" in kinds
-                        found.append((name, file, is_node))
+                if any(word in text for word in REGISTERS):
+                    for call in parsed_file(text, self.workspace.shown(file)).calls:
+                        if call.name in REGISTERS:
+                            name, *kinds = ("".join(t.text for t in a) for a in call.arguments)
+                            is_node = not kinds or kinds[0].endswith("Nodelet")
+                            found.append((name, file, is_node))
         return found
 
     @cached_property

@@ -63,9 +63,12 @@ _SERVICES = frozenset(
 )
 #: Methods of the node handles of ROS 1 for parameters, which a launch file may rename.
 _RENAMED = frozenset({"getParam", "getParamCached", "param", "setParam", "hasParam", "deleteParam"})
+#: Macros that register the class of a component.
+REGISTERS = frozenset({"RCLCPP_COMPONENTS_REGISTER_NODE", "PLUGINLIB_EXPORT_CLASS"})
 #: All that is looked for among calls.
 _CALLED = (
     _TIMERS
+    | REGISTERS
     | _RATES
     | _SERVICES
     | PARAMETERS
@@ -93,9 +96,9 @@ class _TopicCall(NamedTuple):
 
 
 @lru_cache(maxsize=_MOST_PARSED)
-def _parsed_file(text: str, path: str) -> "_CppFile":
+def parsed_file(text: str, path: str) -> "CppFile":
     """Return the parsed file, memoized, as several programs share libraries."""
-    return _CppFile(text, path, _CALLED, _RATES)
+    return CppFile(text, path, _CALLED, _RATES)
 
 
 def read_cpp(
@@ -105,7 +108,7 @@ def read_cpp(
 
     For a component, the classes in `others` are ignored, except its base classes.
     """
-    files = [_parsed_file(text, path) for text, path in sources]
+    files = [parsed_file(text, path) for text, path in sources]
     texts = CppTexts(files)
     others = set(others) - set(texts.with_base_classes(component)) if others else others
     kinds: dict[str, str] = {}
@@ -170,7 +173,7 @@ def read_cpp(
     )
 
 
-class _CppFile(ScopedCode):
+class CppFile(ScopedCode):
     """A file in C++ with the topics, callbacks and nodes that its calls and functions make."""
 
     @cached_property
@@ -460,8 +463,8 @@ def _aliased(kind: str | None, aliases: Mapping[str, str | None]) -> str | None:
     return kind
 
 
-def _used_if(files: Sequence["_CppFile"], keeper: str, texts: CppTexts) -> set[tuple[str, bool]]:
-    """Return the ROS parameters, with values, that decide whether publisher `keeper` is used."""
+def _used_if(files: Sequence["CppFile"], keeper: str, texts: CppTexts) -> set[tuple[str, bool]]:
+    """Return the ROS parameters, with values, that decide whether a publisher is used at all."""
     places = [(file, at) for file in files for at in file.publications.get(keeper, ())]
     used = [file.switches(at, texts) for file, at in places[:_MOST_FOLLOWED]]
     return set.intersection(*used) if 0 < len(places) <= _MOST_FOLLOWED else set()
