@@ -274,3 +274,10 @@ def test_a_reading_may_end_before_the_entry_function() -> None:
         [(START + lidar + ENTRY + "    return LaunchDescription([eye('a')])", "a.launch.py")]
     )
     assert nodes(found) == ["/a"]
+
+
+def test_unread_contents_of_one_place_keep_their_order() -> None:
+    bridge = "Node(package='ros_gz_bridge', executable='parameter_bridge', name='b', "
+    found = launched(f"return LaunchDescription([{bridge}arguments=['/b@x', '/a@y', '/b@x'])])")
+    message = "topics named at run time not read: 2 (`/b@x`, `/a@y`)"
+    assert [note for note in notes_of(found) if "run time" in note] == [message]

@@ -244,8 +244,10 @@ def _holds(folder: Path, inner: Path) -> bool:
 
 def _once(unread: Iterable[Unread]) -> Iterable[Unread]:
     """Return skipped contents without duplicates: files by name, others by name and location."""
-    every = reversed(tuple(unread))
-    return {(e.sort, e.name, "files" in e.sort or e.span): e for e in every}.values()
+    found: dict[tuple[object, ...], Unread] = {}
+    for each in unread:
+        found.setdefault((each.sort, each.name, "files" in each.sort or each.span), each)
+    return found.values()
 
 
 class _WorkspaceRobot:

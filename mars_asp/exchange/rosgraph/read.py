@@ -68,7 +68,9 @@ def import_rosgraph(files: Sequence[tuple[str, str]]) -> Parsed:
     configuration, further = configuration_of(joined((graph, bound)))
     if not configuration.modules:
         raise MarsError((_empty(files[0][1]),))
-    first = {(each.sort, each.name): each for each in reversed((*unread, *further))}
+    first: dict[tuple[str, str], Unread] = {}
+    for each in (*unread, *further):
+        first.setdefault((each.sort, each.name), each)
     return Parsed(configuration, (*warnings, *notes(first.values())))
 
 
