@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from mars_asp.asp.rules.rulebook import Rulebook
-from tests.reasoning.synthesis.test_exhaustive import compare_mounts, compare_wiring
+from tests.reasoning.synthesis.test_exhaustive import PARTS
 from tests.reasoning.test_verification import carried, refuses_every_mutation
 
 
@@ -35,13 +35,13 @@ def judge_with(rulebook: Rulebook) -> None:
 def _costs_are_least(rulebook: Rulebook) -> None:
     judge_with(rulebook)
     for seed in range(30):
-        assert compare_wiring(seed) is None
+        assert PARTS["wiring"](seed) is None
 
 
 def _supports_are_least(rulebook: Rulebook) -> None:
     judge_with(rulebook)
     for seed in range(15):
-        assert compare_mounts(seed) is None
+        assert PARTS["mounts"](seed) is None
 
 
 def _changes_are_refused(rulebook: Rulebook) -> None:

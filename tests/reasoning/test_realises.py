@@ -13,16 +13,23 @@ from mars_asp.model.declarations import Configuration
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.verification import verify
 from tests.support.mutants import mutant
-from tests.support.random_configurations import random_configuration, random_mounts
+from tests.support.random_configurations import (
+    random_carried,
+    random_cascades,
+    random_configuration,
+    random_inputs,
+    random_mounts,
+)
 from tests.support.realises import UnsaidError, violation
 from tests.support.subjects import RULEBOOK, read, synthesised
 
+KINDS = (random_configuration, random_mounts, random_inputs, random_carried, random_cascades)
 MUTANTS = 4
 
 
 def compare_judged(seed: int) -> str | None:
     """Return the difference for a specification and its mutants."""
-    project = read(random_mounts(seed) if seed % 2 else random_configuration(seed))
+    project = read(KINDS[seed % len(KINDS)](seed))
     found = synthesised(project)
     if found is None:
         return None
@@ -49,6 +56,6 @@ def disagreement(specification: Configuration, project: Project, what: str) -> s
     return f"[{what}] verify: {result}; the text: {reason or 'realises it'}"
 
 
-@pytest.mark.parametrize("seed", range(6, 12))
+@pytest.mark.parametrize("seed", range(10))
 def test_verify_judges_as_the_text_does(seed: int) -> None:
     assert compare_judged(seed) is None

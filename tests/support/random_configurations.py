@@ -4,6 +4,7 @@ import random
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from itertools import pairwise
 
 from mars_asp.language import parse_text
 from mars_asp.model.declarations import GRASP, Mount
@@ -319,6 +320,86 @@ def random_control(seed: int) -> str:
     blocks += [_block(name, "@ControlOut Trans_Z", "Command lead();") for name in drivers]
     names = ", ".join([*onlookers, *wheels, *riders, *drivers])
     return "\n".join([f"@configuration{kind}", f"@modules {names}", *lines, *blocks])
+
+
+def random_inputs(seed: int) -> str:
+    """Return clients that accept one or two representations, few of which converters reach."""
+    rng = random.Random(seed)
+    representations = ("A", "D", "E", "X")
+    clients = [f"C{index}" for index in range(rng.randint(2, 4))]
+    offer = rng.choice(["NotifyWhenReady", "NotifyAtFrequency 20", "RequestWhenReady"])
+    services = rng.choice([("",), ("", " NotifyOnMax", " RequestWhenReady")])
+    blocks = [_block("Eye", f"@Sense {offer}", "A look();")]
+    lines = []
+    for client in clients:
+        lines.append(f"{client} uses_data_from Eye{rng.choice(services)}")
+        taken = rng.sample(representations, rng.choice([1, 2, 2]))
+        inputs = ", ".join(f"{name} x" for name in taken)
+        if rng.random() < 0.1:
+            inputs += ", auto y"
+        blocks.append(_block(client, "@DataIn", f"void take({inputs});"))
+    for index in range(rng.choice([0, 0, 1, 2])):
+        given, made = rng.sample(representations, 2)
+        blocks.append(
+            _block(f"K{index}", f"@Converts {rng.randint(1, 3)}", f"{made} turn({given} x);")
+        )
+    return "\n".join(["@configuration", f"@modules Eye, {', '.join(clients)}", *lines, *blocks])
+
+
+def random_carried(seed: int) -> str:
+    """Return carried modules that are commanded in inherited functions, through right angles."""
+    rng = random.Random(seed)
+    functions = ("Rotn_X", "Rotn_Y", "Trans_Z")
+    movers = ["Base", "Neck"][: rng.randint(1, 2)]
+    tools = [f"T{index}" for index in range(rng.randint(1, 2))]
+    drivers = [f"D{index}" for index in range(rng.randint(1, 3))]
+    turns = ("", "", " (x,90,_,_,_,_,_)", " (z,180,_,_,_,_,_)", " (y,-90,_,_,_,50,_)")
+    lines = [f"Neck is_mounted_on Base{rng.choice(turns)}"] if len(movers) > 1 else []
+    lines += [f"{tool} is_mounted_on {rng.choice(movers)}{rng.choice(turns)}" for tool in tools]
+    allocations = rng.choice([("",), ("", "", " allocation root", " allocation split")])
+    holds = rng.choice([("",), ("", "", " hold 50")])
+    for module in (*tools, *movers):
+        for driver in rng.sample(drivers, rng.randint(0, min(2, len(drivers)))):
+            rank = rng.randint(0, 3)
+            text = f"{rank}{rng.choice(holds)}{rng.choice(allocations)}"
+            lines.append(f"{module} is_controlled_by {driver} {text}")
+    blocks = [
+        _block(mover, *(f"@{name}" for name in rng.sample(functions, rng.randint(1, 2))))
+        for mover in movers
+    ]
+    for tool in tools:
+        grip, look = ("@Grasp", "void grasp(double w);"), ("@Sense NotifyWhenReady", "P look();")
+        blocks.append(_block(tool, *rng.choice([grip, look])))
+    for driver in drivers:
+        text = ", ".join(rng.sample(functions, rng.choice([0, 0, 1])))
+        blocks.append(_block(driver, f"@ControlOut {text}".rstrip(), "Command go();"))
+    kind = rng.choice(["flat", "hierarchical", "hierarchical"])
+    names = ", ".join((*movers, *tools, *drivers))
+    return "\n".join([f"@configuration {kind}", f"@modules {names}", *lines, *blocks])
+
+
+def random_cascades(seed: int) -> str:
+    """Return controllers that control each other, and modules that share runs of priorities."""
+    rng = random.Random(seed)
+    drivers = [f"D{index}" for index in range(rng.randint(2, 4))]
+    wheels = [f"W{index}" for index in range(rng.randint(1, 3))]
+    lines = []
+    holds = rng.choice([("",), ("", "", " hold 50", " hold 60")])
+    for wheel in wheels:
+        heard = rng.sample(drivers, rng.randint(1, len(drivers)))
+        if rng.random() < 0.6:
+            heard.sort()
+        for place, driver in enumerate(heard):
+            rank = rng.choice([place, place, place * 50_000, 2_147_483_647 - 9 + place, 1])
+            text = "" if rng.random() < 0.1 else f" {rank}"
+            lines.append(f"{wheel} is_controlled_by {driver}{text}{rng.choice(holds)}")
+    for low, high in pairwise(drivers):
+        if rng.random() < 0.25:
+            lines.append(f"{low} is_controlled_by {high} {rng.randint(0, 2)}")
+    blocks = [_block(driver, "@ControlOut", "Command go();") for driver in drivers]
+    kind = rng.choice(["flat", "hierarchical", "hierarchical"])
+    names = ", ".join((*wheels, *drivers))
+    return "\n".join([f"@configuration {kind}", f"@modules {names}", *lines, *blocks])
 
 
 def random_faults(seed: int) -> str:

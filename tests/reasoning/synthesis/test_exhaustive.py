@@ -3,9 +3,9 @@
     python -m tests.reasoning.synthesis.test_exhaustive HOW_MANY [FIRST_SEED [PART ...]]
 
 does the same for as many random configurations of each part as wanted: `wiring`, `ports` (several
-outputs, named inputs), `mounts`, `twins`, `run` (the winner at each module when a specification
-runs), `verify` (a judge written from the text accepts and refuses the same: specifications and
-random mutants of them).
+outputs, named inputs), `inputs` (of several representations), `mounts`, `carried` (through right
+angles), `cascades`, `twins`, `run` (the winner at each module when a specification runs), `verify`
+(a judge written from the text accepts and refuses the same: specifications and random mutants).
 """
 
 import sys
@@ -24,7 +24,10 @@ from tests.support.campaigns import seeds
 from tests.support.exhaustive import Cost, add, inheritance, minimal
 from tests.support.least_supports import UnclearError
 from tests.support.random_configurations import (
+    random_carried,
+    random_cascades,
     random_configuration,
+    random_inputs,
     random_mounts,
     random_ports,
     random_twins,
@@ -86,18 +89,6 @@ def to_be_fed(configuration: Configuration) -> list[tuple[list[str], list[str]]]
     )
 
 
-def compare_wiring(seed: int) -> str | None:
-    return compare(random_configuration(seed))
-
-
-def compare_ports(seed: int) -> str | None:
-    return compare(random_ports(seed))
-
-
-def compare_mounts(seed: int) -> str | None:
-    return compare(random_mounts(seed))
-
-
 def compare_twins(seed: int) -> str | None:
     """Return a difference, or None; twins have to cost twice as much as one of them."""
     text = random_twins(seed)
@@ -117,34 +108,34 @@ def one_of(text: str) -> str:
     return "@module_start\n".join([head, *kept])
 
 
-@pytest.mark.parametrize("seed", seeds(10, 30))
-def test_the_cost_is_that_of_an_exhaustive_search(seed: int) -> None:
-    assert compare_wiring(seed) is None
-
-
-@pytest.mark.parametrize("seed", seeds(4, 12))
-def test_each_output_costs_as_much_as_in_an_exhaustive_search(seed: int) -> None:
-    assert compare_ports(seed) is None
-
-
-@pytest.mark.parametrize("seed", seeds(4, 10))
-def test_inheritance_nodes_feed_least_supports_at_the_least_cost(seed: int) -> None:
-    assert compare_mounts(seed) is None
-
-
-@pytest.mark.parametrize("seed", seeds(4, 12))
-def test_twins_cost_twice_as_much_as_one(seed: int) -> None:
-    assert compare_twins(seed) is None
-
-
 PARTS: dict[str, Callable[[int], str | None]] = {
-    "wiring": compare_wiring,
-    "ports": compare_ports,
-    "mounts": compare_mounts,
+    "wiring": lambda seed: compare(random_configuration(seed)),
+    "ports": lambda seed: compare(random_ports(seed)),
+    "inputs": lambda seed: compare(random_inputs(seed)),
+    "mounts": lambda seed: compare(random_mounts(seed)),
+    "carried": lambda seed: compare(random_carried(seed)),
+    "cascades": lambda seed: compare(random_cascades(seed)),
     "twins": compare_twins,
     "run": compare_run,
     "verify": compare_judged,
 }
+#: The seeds of each part that costs something, and how many more a campaign tries.
+TRIED = {
+    "wiring": (10, 30),
+    "ports": (4, 12),
+    "inputs": (6, 40),
+    "mounts": (4, 10),
+    "carried": (6, 40),
+    "cascades": (6, 40),
+    "twins": (4, 12),
+}
+
+
+@pytest.mark.parametrize(
+    ("part", "seed"), [(part, seed) for part, many in TRIED.items() for seed in seeds(*many)]
+)
+def test_the_cost_is_that_of_an_exhaustive_search(part: str, seed: int) -> None:
+    assert PARTS[part](seed) is None
 
 
 def main(words: Sequence[str]) -> int:
