@@ -12,19 +12,19 @@ from mars_asp.lsp.client_errors import BoundedInput
 from mars_asp.lsp.workspace import EditorWorkspace
 from tests.support import hostile_editor
 from tests.support.fixtures import Patch
-from tests.support.hostile_editor import _framed
 from tests.support.processes import HANGING
+from tests.support.wire import bodies, framed
 
 HOVER = {"textDocument": {"uri": "file:///a.mars"}, "position": {"line": 0, "character": 0}}
 HELLO: dict[str, Any] = {"processId": None, "rootUri": None, "capabilities": {}}
 
 
 def request(identity: object, method: str, params: object = None) -> bytes:
-    return _framed({"jsonrpc": "2.0", "id": identity, "method": method, "params": params})
+    return framed({"jsonrpc": "2.0", "id": identity, "method": method, "params": params})
 
 
 def notice(method: str, **params: object) -> bytes:
-    return _framed({"jsonrpc": "2.0", "method": method, "params": params})
+    return framed({"jsonrpc": "2.0", "method": method, "params": params})
 
 
 def at(line: object, character: object, uri: object = "file:///a.mars") -> dict[str, Any]:
@@ -113,7 +113,7 @@ def test_errors_of_a_client_are_reported_to_it() -> None:
         timeout=HANGING,
         check=False,
     )
-    answers = [json.loads(each) for each in hostile_editor._answers(BytesIO(done.stdout))]
+    answers = [json.loads(each) for each in bodies(BytesIO(done.stdout))]
     codes = [
         (each.get("id"), each.get("error", {}).get("code", 0))
         for each in answers

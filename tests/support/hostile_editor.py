@@ -11,12 +11,12 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from tests.support.documents import ROOT
 from tests.support.processes import HANGING
+from tests.support.wire import bodies, framed
 
 #: Megabytes that the server may have in memory.
 MEMORY = 1000
@@ -145,18 +145,18 @@ def converse(number: int, seed: int) -> tuple[list[str], float]:
         )
         assert server.stdin is not None and server.stdout is not None
         answers: list[bytes] = []
-        hearing = threading.Thread(target=lambda: answers.extend(_answers(server.stdout)))
+        hearing = threading.Thread(target=answers.extend, args=(bodies(server.stdout),))
         hearing.start()
         hello: dict[str, Any] = {"processId": None, "rootUri": folder.as_uri(), "capabilities": {}}
         first = {"jsonrpc": "2.0", "id": "first", "method": "initialize", "params": hello}
         last = {"jsonrpc": "2.0", "id": "last", "method": "textDocument/hover", "params": {}}
         if rng.random() < 0.8:
-            server.stdin.write(_framed(first))
+            server.stdin.write(framed(first))
         wrong: list[str] = []
         try:
             for each in range(number):
                 server.stdin.write(_raw(rng, message(rng, each, folder)))
-            server.stdin.write(_framed(last))
+            server.stdin.write(framed(last))
             server.stdin.flush()
         except BrokenPipeError:
             wrong.append("it ended")
@@ -185,21 +185,6 @@ def converse(number: int, seed: int) -> tuple[list[str], float]:
     if used > MEMORY:
         wrong.append(f"has {used:.0f} MB")
     return [f"seed {seed}: {each}" for each in wrong], used
-
-
-def _framed(value: Any) -> bytes:
-    body = json.dumps(value).encode()
-    return b"Content-Length: %d\r\n\r\n" % len(body) + body
-
-
-def _answers(stream: Any) -> Iterator[bytes]:
-    """Yield the messages of a server, until it ends."""
-    while line := stream.readline():
-        if line.lower().startswith(b"content-length:"):
-            size = int(line.partition(b":")[2])
-            while stream.readline().strip():
-                pass
-            yield stream.read(size)
 
 
 def _memory(process: int) -> float:

@@ -11,23 +11,38 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from queue import Empty, Queue
-from typing import Any
+from queue import Queue
+from typing import IO, Any
 
 from tests.support.documents import ROOT
 
-#: Longer than any answer takes.
+#: Longer than any answer takes, however busy the machine is.
 SECONDS = 120.0
+
+
+def framed(value: object) -> bytes:
+    """Return a message as it crosses the pipe."""
+    body = json.dumps(value).encode()
+    return b"Content-Length: %d\r\n\r\n%b" % (len(body), body)
+
+
+def bodies(stream: IO[bytes]) -> Iterator[bytes]:
+    """Yield the messages of a server, until it ends."""
+    while line := stream.readline():
+        if line.lower().startswith(b"content-length:"):
+            while stream.readline().strip():
+                pass
+            yield stream.read(int(line.partition(b":")[2]))
 
 
 class Wire:
     """A server, and the messages to and from it."""
 
-    def __init__(self, *options: str) -> None:
-        """Start the server and send `initialize`."""
-        self._server = subprocess.Popen(
+    def __init__(self, *options: str, folder: Path | None = None) -> None:
+        """Start the server and send `initialize`, with an open folder if one is given."""
+        self.process = subprocess.Popen(
             [sys.executable, "-m", "mars_asp", "lsp", *options],
             cwd=ROOT,
             stdin=subprocess.PIPE,
@@ -39,31 +54,27 @@ class Wire:
         self._heard: Queue[Mapping[str, Any] | None] = Queue()
         self._number = 0
         self.published: dict[str, Mapping[str, Any]] = {}
+        #: How often the server has requested new lenses.
+        self.refreshed = 0
         for reader in (self._listen, self._overhear):
             threading.Thread(target=reader, daemon=True).start()
-        self.ask("initialize", {"capabilities": {}})
+        able = {} if folder is None else {"workspace": {"codeLens": {"refreshSupport": True}}}
+        opened = [] if folder is None else [{"uri": folder.as_uri(), "name": folder.name}]
+        self.ask("initialize", {"capabilities": able, "workspaceFolders": opened})
         self.tell("initialized", {})
 
     def tell(self, method: str, params: object) -> None:
         """Send a notification, which has no answer."""
-        self._send({"jsonrpc": "2.0", "method": method, "params": params})
-
-    def begin(self, method: str, params: object) -> int:
-        """Send a question; return its number."""
-        self._number += 1
-        self._send({"jsonrpc": "2.0", "id": self._number, "method": method, "params": params})
-        return self._number
-
-    def answer(self, number: int) -> Mapping[str, Any]:
-        """Return the answer to a question, with its `result` or `error`."""
-        for message in self.messages():
-            if message.get("id") == number and "method" not in message:
-                return message
-        raise AssertionError("the server ended")
+        self._send({"method": method, "params": params})
 
     def ask(self, method: str, params: object) -> Mapping[str, Any]:
-        """Send a request; return its answer."""
-        return self.answer(self.begin(method, params))
+        """Send a request; return its answer, with its `result` or `error`."""
+        self._number += 1
+        self._send({"id": self._number, "method": method, "params": params})
+        for message in self.messages():
+            if message.get("id") == self._number and "method" not in message:
+                return message
+        raise AssertionError("the server ended")
 
     def messages(self) -> Iterator[Mapping[str, Any]]:
         """Yield the messages of the server; diagnostics are also kept in `published`."""
@@ -74,19 +85,25 @@ class Wire:
                 self.complaints += [each["message"] for each in found if each["code"] == "lsp"]
             elif message.get("method") == "window/showMessage":
                 self.complaints.append(message["params"]["message"])
+            elif message.get("method") == "workspace/codeLens/refresh":
+                self.refreshed += 1
+                self._send({"id": message["id"], "result": None})
             yield message
 
-    def diagnostics(self, uri: str, version: int) -> list[Mapping[str, Any]]:
+    def until(self, is_so: Callable[[], bool]) -> None:
+        """Read messages of the server until they make a condition true."""
+        while not is_so():
+            assert next(self.messages(), None), "the server ended"
+
+    def diagnostics(self, uri: str, version: int = 1) -> list[Mapping[str, Any]]:
         """Wait for the diagnostics of a version of a text; return them."""
-        if self.published.get(uri, {}).get("version") != version:
-            for _ in self.messages():
-                if self.published.get(uri, {}).get("version") == version:
-                    break
+        self.until(lambda: self.published.get(uri, {}).get("version") == version)
         found: list[Mapping[str, Any]] = self.published[uri]["diagnostics"]
         return found
 
-    def open(self, path: Path, text: str) -> str:
-        """Open a file with a text; return its URI."""
+    def open(self, path: Path, text: str | None = None) -> str:
+        """Open a file, with a text that need not be on the disk; return its URI."""
+        text = path.read_text(encoding="utf-8") if text is None else text
         document = {"uri": path.as_uri(), "languageId": "", "version": 1, "text": text}
         self.tell("textDocument/didOpen", {"textDocument": document})
         return path.as_uri()
@@ -97,48 +114,35 @@ class Wire:
         params = {"textDocument": document, "contentChanges": [{"text": text}]}
         self.tell("textDocument/didChange", params)
 
+    def close(self, uri: str) -> None:
+        """Close a text."""
+        self.tell("textDocument/didClose", {"textDocument": {"uri": uri}})
+
     def spent(self) -> float:
         """Return the processor seconds of the server's main thread, or NaN without `/proc`."""
-        result = Path(f"/proc/{self._server.pid}/schedstat")
+        result = Path(f"/proc/{self.process.pid}/schedstat")
         return int(result.read_text().split()[0]) / 1e9 if result.is_file() else float("nan")
 
     def end(self) -> int:
         """End the server; return its exit status."""
         self.ask("shutdown", None)
         self.tell("exit", None)
-        return self._server.wait(SECONDS)
-
-    def drain(self) -> None:
-        """Discard the messages that have arrived and were not read."""
-        while True:
-            try:
-                message = self._heard.get_nowait()
-            except Empty:
-                return
-            assert message is not None, "the server ended"
+        return self.process.wait(SECONDS)
 
     def _send(self, message: Mapping[str, object]) -> None:
-        body = json.dumps(message).encode()
-        assert self._server.stdin is not None
-        self._server.stdin.write(b"Content-Length: %d\r\n\r\n%b" % (len(body), body))
-        self._server.stdin.flush()
+        assert self.process.stdin is not None
+        self.process.stdin.write(framed({"jsonrpc": "2.0", **message}))
+        self.process.stdin.flush()
 
     def _overhear(self) -> None:
-        assert self._server.stderr is not None
-        self.complaints += [line.decode() for line in self._server.stderr]
+        assert self.process.stderr is not None
+        self.complaints += [line.decode() for line in self.process.stderr]
 
     def _listen(self) -> None:
-        stream = self._server.stdout
-        assert stream is not None
-        while True:
-            length = 0
-            while (line := stream.readline().strip()) or not length:
-                if not line:
-                    self._heard.put(None)
-                    return
-                name, _, value = line.partition(b":")
-                length = int(value) if name.lower() == b"content-length" else length
-            self._heard.put(json.loads(stream.read(length)))
+        assert self.process.stdout is not None
+        for body in bodies(self.process.stdout):
+            self._heard.put(json.loads(body))
+        self._heard.put(None)
 
 
 # ---- Edits at random -----------------------------------------------------------------------------
