@@ -8,13 +8,13 @@ does the same for as many random mount trees as wanted.
 import random
 import sys
 from collections import Counter
-from collections.abc import Iterator
-from itertools import combinations
+from collections.abc import Iterator, Mapping
+from itertools import combinations, product
 
 import pytest
 
 from mars_asp.language import parse_text
-from mars_asp.model.declarations import Configuration, Control
+from mars_asp.model.declarations import MOTION_FUNCTIONS, Configuration, Control
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.questions.capability import capability
@@ -22,50 +22,26 @@ from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.synthesis.synthesise import synthesise
 from mars_asp.reasoning.verification import verify
 from tests.support.campaigns import seeds
-from tests.support.combinations import (
-    FUNCTIONS,
-    Motions,
-    Part,
-    Placing,
-    Tree,
-    able_at_once,
-    random_tree,
-)
+from tests.support.motions import Motions, able_at_once, all_motions, block, random_tree
+from tests.support.subjects import read
 
 RULEBOOK = load_rulebook(stages=("resolve", "verify", "can"))
 CONTROLLER = "@module_start\n@module_name Pilot\n@ControlOut {}\nCommand go();\n@module_end"
 
 
-def read(text: str) -> Project:
-    return Project(parse_text(text, "c.mars").configuration, {}, ())
-
-
-def commanding(tree: Tree, functions: tuple[str, ...]) -> str:
+def commanding(tree: str, functions: tuple[str, ...]) -> str:
     """Return a configuration in which a pilot commands functions of the camera."""
-    return "\n".join(
-        [
-            "@configuration",
-            f"@modules {', '.join((*tree.parts, 'Pilot'))}",
-            *tree.lines(),
-            "Cam is_controlled_by Pilot",
-            *tree.blocks(),
-            CONTROLLER.format(", ".join(functions)),
-        ]
-    )
+    text = tree.replace("@modules ", "@modules Pilot, ", 1)
+    return f"{text}\nCam is_controlled_by Pilot\n{CONTROLLER.format(', '.join(functions))}"
 
 
-def standing(tree: Tree) -> str:
-    """Return a configuration without controllers."""
-    heading = ["@configuration", f"@modules {', '.join(tree.parts)}"]
-    return "\n".join([*heading, *tree.lines(), *tree.blocks()])
-
-
-def specifying(tree: Tree, fed: frozenset[str]) -> Configuration:
+def specifying(tree: str, fed: frozenset[str]) -> Configuration:
     """Return the specification in which an InheritanceNode feeds modules what a pilot commands."""
+    _, modules, *lines = tree.split("\n")
     lines = [
         "@specification",
-        f"@modules {', '.join((*tree.parts, 'Pilot', 'InheritanceNode1'))}",
-        *tree.lines(),
+        f"{modules}, Pilot, InheritanceNode1",
+        *(line for line in lines if " is_mounted_on " in line),
         "InheritanceNode1 is_controlled_by Pilot",
         *(f"{name} is_controlled_by InheritanceNode1" for name in sorted(fed)),
     ]
@@ -82,10 +58,10 @@ def expected_target(motions: Motions, function: str) -> frozenset[str] | None:
 def differences(seed: int, seen: Counter[str]) -> Iterator[str]:
     """Yield each difference for a random mount tree; count the cases that it covers in `seen`."""
     tree, chooser = random_tree(seed), random.Random(f"commands {seed}")
-    motions = {name: Motions(tree, name, seed) for name in tree.parts}
+    motions = all_motions(read(tree).configuration, seed)
     camera = motions["Cam"]
-    functions = tuple(chooser.sample(FUNCTIONS, chooser.choice((1, 1, 2, 2, 3))))
-    emergent = [f for f in FUNCTIONS if camera.emergent(f)]
+    functions = tuple(chooser.sample(MOTION_FUNCTIONS, chooser.choice((1, 1, 2, 2, 3))))
+    emergent = [f for f in MOTION_FUNCTIONS if camera.emergent(f)]
     if emergent and chooser.random() < 0.7:
         functions = (chooser.choice(emergent), *functions[1:])
     functions = tuple(dict.fromkeys(functions))
@@ -94,8 +70,8 @@ def differences(seed: int, seen: Counter[str]) -> Iterator[str]:
 
     # Emergent functionality and who has a part in it.
     for name in ("Cam", "Eye"):
-        if name in tree.parts:
-            for function in FUNCTIONS:
+        if name in motions:
+            for function in MOTION_FUNCTIONS:
                 found = {
                     atom.arguments[4].string
                     for atom, _ in analysis.grounding.atoms("participant", 5)
@@ -127,7 +103,7 @@ def differences(seed: int, seen: Counter[str]) -> Iterator[str]:
 
 
 def _verified(
-    tree: Tree,
+    tree: str,
     camera: Motions,
     functions: tuple[str, ...],
     fed: frozenset[str],
@@ -135,13 +111,13 @@ def _verified(
     chooser: random.Random,
     seen: Counter[str],
 ) -> Iterator[str]:
-    movers = tree.movers("Cam")
+    movers = camera.movers
     choices = [
         camera.supports(f) if camera.emergent(f) else [t]
         for f in functions
         if (t := expected_target(camera, f)) is not None
     ]
-    unions = {frozenset[str]().union(*some) for some in _products(choices)}
+    unions = {frozenset[str]().union(*some) for some in product(*choices)}
     near = [fed, *(fed ^ {name} for name in movers)]
     alike = [frozenset(some) for some in combinations(movers, len(fed))]
     others = chooser.sample(sorted(unions, key=sorted), min(4, len(unions)))
@@ -154,25 +130,17 @@ def _verified(
             yield f"verify {'refuses' if right else 'accepts'} {sorted(given)} for {functions}"
 
 
-def _products(choices: list[list[frozenset[str]]]) -> Iterator[list[frozenset[str]]]:
-    if not choices:
-        yield []
-        return
-    for rest in _products(choices[1:]):
-        yield from ([one, *rest] for one in choices[0])
-
-
 def _able(
-    tree: Tree, motions: dict[str, Motions], chooser: random.Random, seen: Counter[str]
+    tree: str, motions: Mapping[str, Motions], chooser: random.Random, seen: Counter[str]
 ) -> Iterator[str]:
-    project = read(standing(tree))
+    project = read(tree)
     possible = [
         (name, function)
         for name, here in motions.items()
-        for function in FUNCTIONS
-        if here.able(function, here.columns | {(name, f) for f in tree.parts[name].functions})
+        for function in MOTION_FUNCTIONS
+        if here.able(function, here.usable())
     ]
-    name, function = chooser.choice(list(tree.parts)), chooser.choice(FUNCTIONS)
+    name, function = chooser.choice(list(motions)), chooser.choice(MOTION_FUNCTIONS)
     answer = capability(project, RULEBOOK, f"{function} of {name}").able
     seen[f"single {answer}"] += 1
     if answer != ((name, function) in possible):
@@ -186,31 +154,37 @@ def _able(
                 yield f"can {f} of {one} while {g} of {two}: {answer}"
 
 
-HERE = Placing((), (0.0, 0.0, 0.0))
 #: Three hinges on a lift carry a camera.
-ARM = Tree(
-    {
-        "Lift": Part("Lift", ("Trans_Z",), HERE),
-        "S1": Part("S1", ("Rotn_Z",), HERE, "Lift"),
-        "S2": Part("S2", ("Rotn_Z",), HERE, "S1", placing=Placing((), (300.0, 0.0, 0.0))),
-        "S3": Part("S3", ("Rotn_Z",), HERE, "S2", placing=Placing((), (200.0, 0.0, 0.0))),
-        "Cam": Part("Cam", (), HERE, "S3", placing=Placing((), (100.0, 0.0, 0.0))),
-    }
+ARM = "\n".join(
+    [
+        "@configuration\n@modules Lift, S1, S2, S3, Cam",
+        "S1 is_mounted_on Lift",
+        "S2 is_mounted_on S1 (_,_,300,0,0)",
+        "S3 is_mounted_on S2 (_,_,200,0,0)",
+        "Cam is_mounted_on S3 (_,_,100,0,0)",
+        block("Lift", "Trans_Z"),
+        *(block(name, "Rotn_Z") for name in ("S1", "S2", "S3")),
+        block("Cam"),
+    ]
 )
 #: A platform carries one camera turned by 45 degrees about z, and another straight.
-PLATFORM = Tree(
-    {
-        "Plat": Part("Plat", ("Trans_X", "Trans_Y", "Trans_Z"), HERE),
-        "Cam": Part("Cam", (), HERE, "Plat", placing=Placing((("z", 45.0),), (0.0, 0.0, 0.0))),
-        "Eye": Part("Eye", (), HERE, "Plat"),
-    }
+PLATFORM = "\n".join(
+    [
+        "@configuration\n@modules Plat, Cam, Eye",
+        "Cam is_mounted_on Plat (z,45,0,0,0)",
+        "Eye is_mounted_on Plat",
+        block("Plat", "Trans_X", "Trans_Y", "Trans_Z"),
+        block("Cam"),
+        block("Eye"),
+    ]
 )
 
 
 def test_a_lift_below_an_arm_has_no_share_in_motions_of_the_hinges() -> None:
     project = read(commanding(ARM, ("Trans_X",)))
     hinges = frozenset({"S1", "S2", "S3"})
-    assert expected_target(Motions(ARM, "Cam", 0), "Trans_X") == hinges
+    camera = all_motions(project.configuration, 0)["Cam"]
+    assert expected_target(camera, "Trans_X") == hinges
     assert verify(specifying(ARM, hinges), project, RULEBOOK) == ()
     clauses = {v.clause for v in verify(specifying(ARM, hinges | {"Lift"}), project, RULEBOOK)}
     assert clauses == {5}
@@ -226,8 +200,8 @@ def test_only_motions_with_a_share_are_busy() -> None:
     assert not is_compatible(PLATFORM, "Trans_X of Cam while Trans_Y of Eye")
 
 
-def is_compatible(tree: Tree, query: str) -> bool:
-    return capability(read(standing(tree)), RULEBOOK, query).able
+def is_compatible(tree: str, query: str) -> bool:
+    return capability(read(tree), RULEBOOK, query).able
 
 
 @pytest.mark.parametrize("first", [5 * each for each in seeds(1, 3)])

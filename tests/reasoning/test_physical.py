@@ -1,20 +1,19 @@
-"""Inherited functions: the rules against a numeric rank test written from scratch."""
+"""Inherited functions: the rules against a numeric rank test that shares nothing with them."""
 
 import random
 from collections import Counter
-from collections.abc import Iterable
 from typing import TypeAlias
 
 import clingo
 import numpy as np
 import pytest
 
-from mars_asp.kinematics.frames import Matrix
-from mars_asp.model.declarations import MOTION_FUNCTIONS, Configuration, Mount, Transformation
+from mars_asp.model.declarations import MOTION_FUNCTIONS, Configuration, Mount
 from mars_asp.reasoning.facts.compile import configuration_facts, facts_text
 from mars_asp.reasoning.facts.motion import frame_facts
 from mars_asp.reasoning.rules import load_rulebook
 from tests.support.campaigns import examples
+from tests.support.motions import Motions, all_motions
 from tests.support.robots import HERE, module, placed, random_chain, robot
 
 Verdict: TypeAlias = set[tuple[str, str]]
@@ -50,115 +49,29 @@ def all_verdicts(configuration: Configuration, rules: str) -> dict[str, Verdict]
     return found
 
 
-# ---- the second test: poses by finite products, twists by numeric derivatives, ranks by numpy ----
-
-
-def axis_turn(axis: int, degrees: float) -> Matrix:
-    """Rodrigues' formula, on homogeneous coordinates."""
-    cross = np.zeros((4, 4))
-    cross[(axis + 2) % 3, (axis + 1) % 3], cross[(axis + 1) % 3, (axis + 2) % 3] = 1, -1
-    angle = np.radians(degrees)
-    return np.asarray(np.eye(4) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
-
-
-def pose_of_tuple(transformation: Transformation | None) -> Matrix:
-    pose = np.eye(4)
-    if transformation:
-        for axis, degrees in transformation.rotations:
-            pose = axis_turn("xyz".index(axis), float(degrees)) @ pose
-        pose[:3, 3] = [float(length) for length in transformation.translation]
-    return pose
-
-
-def leaf_pose(chain: Configuration, values: dict[tuple[str, str], float]) -> Matrix:
-    modules = {m.name: m for m in chain.declared}
-    pose = np.eye(4)
-    for mount in chain.relationships:
-        assert isinstance(mount, Mount)
-        carrier = modules[mount.mounted]
-        on = (
-            pose_of_tuple(carrier.vertices[0].transformation) if mount.mounted_vertex else np.eye(4)
-        )
-        moved = np.eye(4)
-        for function in carrier.functions:
-            kind, axis = function.name.split("_")
-            value = values.get((carrier.name, function.name), 0.0)
-            if kind == "Rotn":
-                moved = moved @ axis_turn("XYZ".index(axis), np.degrees(value))
-            else:
-                moved[:3, 3] += moved[:3, :3] @ (value * np.eye(3)["XYZ".index(axis)])
-        pose = moved @ on @ pose_of_tuple(mount.transformation) @ pose
-    return np.asarray(pose)
-
-
-def numeric_twists(
-    chain: Configuration, values: dict[tuple[str, str], float]
-) -> dict[tuple[str, str], Matrix]:
-    """Return for each joint its twist in the leaf's frame, lengths in units of 100 mm."""
-    here = np.linalg.inv(leaf_pose(chain, values))
-    found = {}
-    for carrier in chain.declared[1:]:
-        for function in carrier.functions:
-            joint = (carrier.name, function.name)
-            step = 1e-4 if function.name.startswith("Rotn") else 1.0
-            ahead = leaf_pose(chain, {**values, joint: values.get(joint, 0.0) + step})
-            after = leaf_pose(chain, {**values, joint: values.get(joint, 0.0) - step})
-            rate = here @ (ahead - after) / (2 * step)
-            twist = np.array([rate[2, 1], rate[0, 2], rate[1, 0], *(rate[:3, 3] / 100)])
-            if not function.name.startswith("Rotn"):
-                twist *= 100
-            found[joint] = twist
-    return found
-
-
-def reaches(columns: Iterable[Matrix], unit: Matrix) -> bool:
-    """Whether columns combine to the unit vector, by least squares."""
-    matrix = np.array(list(columns)).T
-    if not matrix.size:
-        return False
-    answer, *_ = np.linalg.lstsq(matrix, unit, rcond=1e-6)
-    return bool(np.abs(matrix @ answer - unit).max() < 1e-5)
-
-
-def shifts(provider: str, twists: dict[tuple[str, str], Matrix], direction: Matrix) -> bool:
-    """Whether the provider's turns that make up one along a direction also shift the leaf."""
-    turning = [t for joint, t in twists.items() if joint[0] == provider and "Rotn" in joint[1]]
+def shifts(motions: Motions, provider: str, function: str) -> bool:
+    """Whether the provider's turns that make up one about an axis also shift the module."""
+    turning = [t for j, t in motions.rest.items() if j[0] == provider and "Rotn" in j[1]]
     matrix = np.array(turning).T
-    shares, *_ = np.linalg.lstsq(matrix[:3], direction, rcond=1e-6)
+    axis = np.eye(3)[MOTION_FUNCTIONS.index(function)]
+    shares, *_ = np.linalg.lstsq(matrix[:3], axis, rcond=1e-6)
     return bool(np.linalg.norm(matrix[3:] @ shares) > 1e-4)
 
 
-def expected(chain: Configuration) -> Verdict:
+def expected(chain: Configuration, subject: str) -> Verdict:
+    """Return the verdicts of the reference on the sensor at the end of a chain."""
     found: Verdict = set()
-    rest = numeric_twists(chain, {})
-    chooser = np.random.default_rng(99)
-    bent = numeric_twists(
-        chain, {joint: chooser.uniform(-2, 2) * (1 if "Rotn" in joint[1] else 90) for joint in rest}
-    )
-    providers = sorted({provider for provider, _ in rest})
+    motions = all_motions(chain, 99)[subject]
     for index, function in enumerate(MOTION_FUNCTIONS):
-        rows = slice(0, 3) if index < 3 else slice(0, 6)
-        unit = np.eye(6)[index]
-
-        def alone(
-            provider: str,
-            twists: dict[tuple[str, str], Matrix],
-            rows: slice = rows,
-            unit: Matrix = unit,
-        ) -> bool:
-            own = [twist[rows] for joint, twist in twists.items() if joint[0] == provider]
-            return reaches(own, unit[rows])
-
-        at_rest = [p for p in providers if alone(p, rest)]
-        if len(at_rest) == 1:
-            found.add(("simple_inheritance", function))
-        elif at_rest:
-            found.add(("similar_inheritance", function))
-        elif not any(alone(p, bent) for p in providers) and reaches(bent.values(), unit):
+        givers = motions.givers(function)
+        if givers:
+            kind = "simple_inheritance" if len(givers) == 1 else "similar_inheritance"
+            found.add((kind, function))
+        elif motions.emergent(function):
             found.add(("emergent_functionality", function))
-        for provider in at_rest if index < 3 else ():
-            if shifts(provider, rest, unit[:3]):
-                own = [twist for joint, twist in rest.items() if joint[0] == provider]
+        for provider in givers if index < 3 else ():
+            if shifts(motions, provider, function):
+                own = [twist for joint, twist in motions.rest.items() if joint[0] == provider]
                 straight = max(abs(float(twist[index])) for twist in own) > 1 - 1e-6
                 found.add(("arc" if straight else "combined arc", f"{provider} {function}"))
     return found
@@ -173,7 +86,7 @@ def test_random_chains(rules: str) -> None:
     found = all_verdicts(together, rules)
     seen: Counter[str] = Counter()
     for number, chain in enumerate(chains):
-        should = expected(chain)
+        should = expected(chain, f"C{number}M0")
         does = found.get(f"C{number}M0", set())
         assert does == should, f"chain {number}"
         seen.update(kind for kind, _ in does)

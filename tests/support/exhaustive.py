@@ -24,7 +24,7 @@ from mars_asp.model.declarations import (
     Mount,
     Service,
 )
-from tests.support.least_supports import least_supports
+from tests.support.motions import least_supports
 from tests.support.readings import inputs_of, readings
 
 #: (nodes, conversion cost, relationships).

@@ -7,8 +7,8 @@ from contextlib import suppress
 from itertools import pairwise
 
 from mars_asp.language import parse_text
-from mars_asp.model.declarations import GRASP, Mount
-from tests.support.least_supports import FUNCTIONS, UnclearError, least_supports
+from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS, Mount
+from tests.support.motions import UnclearError, least_supports
 
 REPRESENTATIONS = ("P", "Q", "R", "S", "T")
 SERVICES = (
@@ -215,7 +215,7 @@ def random_mounts(seed: int) -> str:
     some = rng.sample(commanded, min(len(commanded), rng.randint(1, 3)))
     for driver in ("D0", "D1", "D2", "D3")[: rng.randint(1, 4)]:
         led = [name for name in some if rng.random() < 0.6]
-        common = {*FUNCTIONS, GRASP}.intersection(*(offered[name] for name in led))
+        common = {*MOTION_FUNCTIONS, GRASP}.intersection(*(offered[name] for name in led))
         result = rng.sample(sorted(common), min(len(common), rng.randint(0, 2)))
         for name in led:
             rank = rng.choice(ranked)
@@ -230,7 +230,8 @@ def random_mounts(seed: int) -> str:
 
 def _body(rng: random.Random, *, last: bool) -> list[str]:
     """Return the declarations of a mounted module: motions, a grasp or a sense, vertices."""
-    some = rng.choice([("Rotn_Y", "Rotn_Z"), ("Trans_X", "Trans_Z"), FUNCTIONS, FUNCTIONS])
+    few = ("Rotn_Y", "Rotn_Z"), ("Trans_X", "Trans_Z")
+    some = rng.choice([*few, MOTION_FUNCTIONS, MOTION_FUNCTIONS])
     motions = rng.sample(some, rng.choice([0, 1, 1] if last else [1, 1, 2]))
     lines = [f"@{name}" for name in motions]
     if not motions:

@@ -1,12 +1,11 @@
 """The commands of an InheritanceNode give the module its commanded motion.
 
 The joints' rates are turned into the module's velocity by the twists of
-`tests.support.combinations`, which shares nothing with the algebra that made the rates: vertices,
+`tests.support.motions`, which shares nothing with the algebra that made the rates: vertices,
 tuples and joints of every order.
 """
 
 from collections import Counter
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,18 +13,17 @@ import pytest
 from mars_asp.execution.executor import Behaviour, Executor
 from mars_asp.execution.executor.schedule import MILLISECOND
 from mars_asp.language import parse_text
-from mars_asp.model.declarations import Configuration
-from tests.reasoning.test_combinations import expected_target, specifying, standing
+from mars_asp.model.declarations import MOTION_FUNCTIONS, Configuration, Mount
+from tests.reasoning.test_combinations import expected_target, specifying
 from tests.support.campaigns import seeds
-from tests.support.combinations import (
-    FUNCTIONS,
-    UNIT,
-    Column,
-    Motions,
-    Part,
-    Placing,
-    Tree,
+from tests.support.motions import (
+    Joint,
+    Values,
+    all_motions,
+    block,
     generic_values,
+    measure,
+    motions_of,
     random_tree,
     twists,
 )
@@ -34,23 +32,20 @@ RATE = 7.0
 
 
 def commanded(
-    tree: Tree, configuration: Configuration, function: str, values: dict[Column, float]
-) -> dict[Column, float]:
-    """Return the joints' rates for a command to the camera, in radians and `UNIT` mm a second.
-
-    `values` are the positions of the joints, in radians and `UNIT` mm.
-    """
+    robot: Configuration, specification: Configuration, function: str, values: Values
+) -> dict[Joint, float]:
+    """Return the joints' rates for a command to the camera, in radians and `UNIT` mm a second."""
     got: dict[str, dict[str, float]] = {}
+    modules = {module.name: module for module in robot.declared}
 
     def obeying(name: str) -> Behaviour:
-        stands = {f: values.get((name, f), 0.0) * measure(f) for f in tree.parts[name].functions}
+        stands = {f: values.get((name, f), 0.0) for f in motions_of(modules[name])}
         return Behaviour(lambda command: got.update({name: command}), position=lambda: stands)
 
-    declared = parse_text(standing(tree), "c.mars").configuration.declared
-    behaviours = {name: obeying(name) for name in tree.movers("Cam")}
+    behaviours = {name: obeying(name) for name in modules if motions_of(modules[name])}
     behaviours["Pilot"] = Behaviour(lambda: (function, RATE), 100 * MILLISECOND)
     behaviours["Cam"] = Behaviour(lambda: None, 100 * MILLISECOND)
-    executor = Executor(configuration, {module.name: module for module in declared}, behaviours)
+    executor = Executor(specification, modules, behaviours)
     executor.step_until(0)
     assert not executor.failures
     return {
@@ -58,25 +53,22 @@ def commanded(
     }
 
 
-def measure(function: str) -> float:
-    """Return how many degrees are a radian, or how many mm are `UNIT`."""
-    return float(np.degrees(1)) if function.startswith("Rotn") else UNIT
-
-
-def differences(tree: Tree, seed: int, seen: Counter[str]) -> list[str]:
+def differences(tree: str, seed: int, seen: Counter[str]) -> list[str]:
     entries = []
-    camera = Motions(tree, "Cam", seed)
-    for function in FUNCTIONS:
+    robot = parse_text(tree, "c.mars").configuration
+    mounts = {m.mounting: m for m in robot.relationships if isinstance(m, Mount)}
+    modules = {module.name: module for module in robot.declared}
+    camera = all_motions(robot, seed)["Cam"]
+    for index, function in enumerate(MOTION_FUNCTIONS):
         fed = expected_target(camera, function)
         if fed is None:
             continue
         alone = len(camera.givers(function)) > 0
         # What one module gives is so at rest; what several make up together follows the posture.
-        values = {} if alone else generic_values(tree, seed + 1000)
-        rates = commanded(tree, specifying(tree, fed), function, values)
-        there = twists(tree, "Cam", values)
+        values = {} if alone else generic_values(robot, seed + 1000)
+        rates = commanded(robot, specifying(tree, fed), function, values)
+        there = dict(twists("Cam", mounts, modules, values))
         moved = sum((rate * there[joint] for joint, rate in rates.items()), np.zeros(6))
-        index = FUNCTIONS.index(function)
         rows = slice(0, 3) if alone and index < 3 else slice(0, 6)
         wanted = np.eye(6)[index] * RATE / measure(function)
         if not np.allclose(moved[rows], wanted[rows], atol=1e-6):
@@ -89,23 +81,28 @@ def test_the_camera_moves_as_it_is_commanded() -> None:
     seen: Counter[str] = Counter()
     entries = []
     for seed in seeds(20, 60):
-        parts = dict(random_tree(seed).parts)
-        parts.pop("Eye", None)
-        entries += differences(Tree(parts), seed, seen)
+        entries += differences(random_tree(seed, eye=False), seed, seen)
     assert entries == []
     assert seen["alone"] > 15, seen
     assert seen["together"] > 15, seen
 
 
-@pytest.mark.parametrize("function", FUNCTIONS)
+#: The vertices and the tuple have two turns each that do not commute, so any swapped pair shows.
+TURNED = "\n".join(
+    [
+        "@configuration\n@modules Base, Cam",
+        "Cam 1 is_mounted_on Base 1 (y,90,z,20,5,0,40)",
+        block("Base", *MOTION_FUNCTIONS, vertex="(z,90,x,45,10,20,30)"),
+        block("Cam", vertex="(x,90,y,30,10,20,30)"),
+    ]
+)
+
+
+@pytest.mark.parametrize("function", MOTION_FUNCTIONS)
 def test_turned_vertices_and_a_turned_tuple_are_taken_in_their_order(function: str) -> None:
-    """Each has two turns that do not commute, so any swapped pair shows."""
-    turned = Placing((("x", 90), ("y", 30)), (10.0, 20.0, 30.0))
-    base = Part("Base", FUNCTIONS, replace(turned, turns=(("z", 90), ("x", 45))))
-    across = Placing((("y", 90), ("z", 20)), (5.0, 0.0, 40.0))
-    tree = Tree({"Base": base, "Cam": Part("Cam", (), turned, "Base", 1, 1, across)})
-    assert differences(tree, 1, Counter()) == []
-    rates = commanded(tree, specifying(tree, frozenset({"Base"})), function, {})
+    assert differences(TURNED, 1, Counter()) == []
+    robot = parse_text(TURNED, "c.mars").configuration
+    rates = commanded(robot, specifying(TURNED, frozenset({"Base"})), function, {})
     assert len(rates) == 3
 
 

@@ -22,7 +22,7 @@ from tests.execution.executor.test_priorities import compare_run
 from tests.reasoning.test_realises import compare_judged
 from tests.support.campaigns import seeds
 from tests.support.exhaustive import Cost, add, inheritance, minimal
-from tests.support.least_supports import UnclearError
+from tests.support.motions import UnclearError
 from tests.support.random_configurations import (
     random_carried,
     random_cascades,
