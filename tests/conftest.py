@@ -29,6 +29,7 @@ for _signal in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):
         signal.signal(_signal, ours)
 
 
+@pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
     """Return one more than there are processors, as some tests wait for others to end."""
     return 1 + (os.cpu_count() or 1)

@@ -75,6 +75,15 @@ def test_mutants_of_rules(tmp_path: Path) -> None:
     ]
 
 
+def test_a_level_that_a_variable_gives_is_not_changed(tmp_path: Path) -> None:
+    assert texts(tmp_path, "#minimize { W@L, X : p(X, L, W) }.\n") == [
+        ("delete", ""),
+        ("drop `X` of the tuple", "#minimize { W@L: p(X,L,W) }."),
+        ("#minimize -> #maximize", "#minimize { -W@L,X: p(X,L,W) }."),
+        ("weight W -> 1", "#minimize { 1@L,X: p(X,L,W) }."),
+    ]
+
+
 def test_a_mutated_file_keeps_its_lines(tmp_path: Path) -> None:
     (tmp_path / "x.lp").write_text(RULES.replace("not r(X),", "not r(X),\n      "))
     (file,) = rule_files(tmp_path)

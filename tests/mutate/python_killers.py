@@ -79,7 +79,6 @@ TESTS: Mapping[str, tuple[str, ...]] = {
         "asp/solve/test_costs",
         "reasoning/synthesis/test_costs",
         "asp/trace/test_counting_rules",
-        "reasoning/synthesis/test_stretches",
         "reasoning/questions/test_alternatives",
         "reasoning/synthesis/test_time_limit",
         "reasoning/synthesis/test_exhaustive",
