@@ -5,7 +5,8 @@ it, over the facts of the first case in `tests/rules` that has one. Rules withou
 folded into those that they support.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from functools import cache
 from pathlib import Path
 
@@ -31,7 +32,7 @@ from mars_asp.reasoning.rules import FOLLOWING, STAGES, load_rulebook
 from mars_asp.reasoning.synthesis import derived
 from tests.support.documents import ROOT
 from tests.support.programs import atom_of
-from tests.support.rule_coverage import CASES, fired_in
+from tests.support.rule_coverage import CASES
 
 #: Stages that choose; what others derive follows.
 CHOOSING = ("resolve", "can", "cost")
@@ -84,28 +85,45 @@ def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Sy
     ), true
 
 
-def goldens(stage: str) -> Iterator[tuple[Rule, str]]:
-    """Yield each rule of a stage with the text of the first trace that ends in it."""
+def goldens(stage: str, named: Mapping[Path, Set[str]]) -> Iterator[tuple[Rule, str]]:
+    """Yield each rule of a stage with the text of the first trace that ends in it.
+
+    `named` has the atoms to explain, by their cases; without any, all cases are searched.
+    """
     # A constraint derives nothing: its sentence appears only if no answer set is left.
     rules = [r for r in rulebook_of(stage).rules if r.stage == stage and r.because and r.heads]
     wanted = {r.span: r for r in rules}
-    firing: dict[Path, set[Span]] = {}
-    everything = load_rulebook(stages=STAGES)
-    for rule, paths in zip(rules, fired_in(rules, everything, cases_of(stage)), strict=True):
-        for path in paths:
-            firing.setdefault(path, set()).add(rule.span)
     for case in cases_of(stage):
-        # A trace ends in a rule only where the rule fires.
-        heads = {h for span in firing.get(case, set()) & wanted.keys() for h in wanted[span].heads}
-        explained = explainer_of(case, stage) if heads else None
+        heads = {head for rule in wanted.values() for head in rule.heads}
+        explained = explainer_of(case, stage) if heads and case in (named or (case,)) else None
         if explained is None:
             continue
         explainer, true = explained
         atoms = sorted(a for a in true if signature_of(a).unsigned in heads)
+        atoms = [a for a in atoms if without_blanks(a) in named[case]] if named else atoms
         for atom, trace in explainer.why(atoms).items():
             if isinstance(trace, Derived) and trace.rule.span in wanted:
                 yield wanted.pop(trace.rule.span), shown(case, atom, trace)
     assert not wanted, f"no case has a trace that ends in {[str(r.span) for r in wanted.values()]}"
+
+
+def named_in(goldens: Iterable[Path]) -> Mapping[Path, Set[str]]:
+    """Return the atoms that golden traces explain, without blanks, by their cases."""
+    found: dict[Path, set[str]] = {}
+    for path in goldens:
+        # A long title goes on in lines that are indented, by less than its trace is.
+        for title in re.findall(r"(?m)^\S.*(?:\n  \S.*)*", path.read_text(encoding="utf-8")):
+            atom, _, case = without_blanks(title).rpartition(",in")
+            found.setdefault(ROOT / case, set()).add(atom)
+    return found
+
+
+def without_blanks(text: object) -> str:
+    return "".join(str(text).split())
+
+
+def golden_of(rule: Rule) -> Path:
+    return ROOT / "tests" / "traces" / Path(rule.span.path).relative_to("rules").with_suffix(".txt")
 
 
 def shown(case: Path, atom: clingo.Symbol, trace: Trace) -> str:
@@ -117,13 +135,15 @@ def shown(case: Path, atom: clingo.Symbol, trace: Trace) -> str:
 
 @pytest.mark.parametrize("stage", ["base", *(each for each in STAGES if each != TELLING)])
 def test_every_rule_has_a_golden_trace(stage: str, update_golden: bool) -> None:
-    by_file: dict[str, list[tuple[int, str]]] = {}
-    for rule, text in goldens(stage):
-        by_file.setdefault(rule.span.path, []).append((rule.span.line, text))
-    for path, found in by_file.items():
-        golden = ROOT / "tests" / "traces" / Path(path).relative_to("rules").with_suffix(".txt")
+    by_file: dict[Path, list[tuple[int, str]]] = {}
+    rules = [rule for rule in rulebook_of(stage).rules if rule.stage == stage]
+    paths = {rule.span.path: golden_of(rule) for rule in rules}
+    written = [path for path in paths.values() if path.is_file()]
+    for rule, text in goldens(stage, {} if update_golden else named_in(written)):
+        by_file.setdefault(golden_of(rule), []).append((rule.span.line, text))
+    for golden, found in by_file.items():
         text = "\n\n".join(item for _, item in sorted(found)) + "\n"
         if update_golden:
             golden.parent.mkdir(parents=True, exist_ok=True)
             golden.write_text(text, encoding="utf-8")
-        assert text == golden.read_text(encoding="utf-8"), path
+        assert text == golden.read_text(encoding="utf-8"), golden

@@ -3,11 +3,12 @@
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import cache
 from itertools import chain
 from pathlib import Path
+from typing import TypeAlias
 
 import clingo
+from clingo import ast
 
 from mars_asp.asp.cases import coverage, find_cases
 from mars_asp.asp.cases.coverage import LEFT_OUT, Case, Coverage, Measure, refusals, watched
@@ -32,6 +33,8 @@ _MOST, _MOST_ANY = 150, 400
 _PROBES = Signature(FIRED, 2), Signature(NEAR, 2)
 #: A probe that holds: its name, the number of the case and that of the rule.
 _HOLDS = re.compile(rf"({FIRED}|{NEAR})\((\d+),(\d+)\)")
+#: The names and the bodies of the probes of rules, by their numbers.
+_Probes: TypeAlias = Mapping[int, Sequence[tuple[str, Sequence[ast.AST]]]]
 #: The number of a case that has an answer.
 _ANSWERS = re.compile(r"\bin_\((\d+)\)")
 
@@ -40,8 +43,8 @@ def covered(rulebook: Rulebook, rules: Sequence[Rule]) -> Coverage:
     """Run all cases at once with probes beside the rules."""
     found = [tried(each, rulebook) for each in CASES]
     numbers = {rule: number for number, rule in enumerate(rulebook.rules)}
-    at = {numbers[rule]: n for n, rule in enumerate(rule for rule in rules if rule.node.body)}
-    held = {(name, at[number]) for name, number in _firings(rulebook) if number in at}
+    at = {numbers[rule]: n for n, rule in enumerate(rule for rule in rules if rule.ast.body)}
+    held = {(name, at[number]) for name, number in _fired_or_near(rulebook) if number in at}
     return coverage.covered(rules, rulebook, found, Measure(lambda *_: held, _refusing))
 
 
@@ -68,40 +71,56 @@ def _refusing(
 def fired_in(rules: Sequence[Rule], rulebook: Rulebook, cases: Iterable[Path]) -> list[list[Path]]:
     """Return the cases that fire each of some rules."""
     numbers = {rule: number for number, rule in enumerate(rulebook.rules)}
-    firings, wanted = _firings(rulebook), {*cases}
-    return [
-        [path for path in firings.get((FIRED, numbers[rule]), ()) if path in wanted]
-        for rule in rules
-    ]
+    probes: _Probes = {numbers[rule]: [(FIRED, list(rule.ast.body))] for rule in rules}
+    fired: dict[int, list[Path]] = {numbers[rule]: [] for rule in rules}
+    for _, number, path in _holding(probes, rulebook, cases, once=False):
+        fired[number].append(path)
+    return [fired[numbers[rule]] for rule in rules]
 
 
-@cache
-def _firings(rulebook: Rulebook) -> Mapping[tuple[str, int], Sequence[Path]]:
-    """Return the cases in which each rule fires, and some in which it fails by one premise.
+def _fired_or_near(rulebook: Rulebook) -> set[tuple[str, int]]:
+    """Return the rules that fire in some case, and those that fail by one premise in some.
 
-    It takes long, so that tests that need it are run by one process. Rules of stages without a case
-    are left out.
+    Rules of stages without a case are left out.
     """
-    probes: dict[str, list[tuple[tuple[str, int], str]]] = {}
     stages = {"base", *chain.from_iterable(map(stages_of, CASES))}
-    for number, rule in enumerate(rulebook.rules):
-        if rule.stage in stages:
-            bodies = probed(rule) if rule.node.body else [(FIRED, [])]
-            texts = each_together(bodies, number)
-            probes.setdefault(rule.stage, []).extend(((name, number), text) for name, text in texts)
-    firings: dict[tuple[str, int], list[Path]] = {}
+    probes: _Probes = {
+        number: list(probed(rule)) if rule.ast.body else [(FIRED, [])]
+        for number, rule in enumerate(rulebook.rules)
+        if rule.stage in stages
+    }
+    return {(name, number) for name, number, _ in _holding(probes, rulebook, CASES, once=True)}
+
+
+def _holding(
+    bodies: _Probes,
+    rulebook: Rulebook,
+    cases: Iterable[Path],
+    *,
+    once: bool,
+) -> Iterator[tuple[str, int, Path]]:
+    """Yield each probe whose body holds, the number of its rule and the case; `once`: in one."""
+    probes: dict[str, list[tuple[tuple[str, int], str]]] = {}
+    for number, some in bodies.items():
+        keyed = [((name, number), text) for name, text in each_together(some, number)]
+        probes.setdefault(rulebook.rules[number].stage, []).extend(keyed)
+    found = set[tuple[str, int]]()
     # Those of the base first, as its rules are in every program.
-    for stages_of_part, part in sorted(_parts(CASES), key=lambda each: len(each[0])):
-        rules = [together(rulebook.text(stage)) for stage in stages_of_part]
-        for stage in stages_of_part:
-            # One case is enough in which a rule fails by one premise.
-            rules += [t for key, t in probes[stage] if key[0] == FIRED or key not in firings]
-        text = printed([*rules, *_facts(part)], _PROBES)
-        answering = {*_ANSWERS.findall(text)}
-        for name, case, number in _HOLDS.findall(text):
-            if case in answering:
-                firings.setdefault((name, int(number)), []).append(part[int(case)])
-    return firings
+    for stages, part in sorted(_parts(cases), key=lambda each: len(each[0])):
+        texts = [
+            text
+            for stage in stages
+            for key, text in probes.get(stage, ())
+            if not once or key not in found
+        ]
+        if texts:
+            rules = [together(rulebook.text(stage)) for stage in stages]
+            answer = printed([*rules, *texts, *_facts(part)], _PROBES)
+            answering = {*_ANSWERS.findall(answer)}
+            for name, case, number in _HOLDS.findall(answer):
+                if case in answering:
+                    found.add((name, int(number)))
+                    yield name, int(number), part[int(case)]
 
 
 def labelled(
