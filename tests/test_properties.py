@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import TypeAlias
 
 from hypothesis import given
@@ -153,22 +154,31 @@ def renaming_renames_the_answer(
     assert resolved(other).resolution.cost == answer.cost
 
 
-def test_output_is_the_same_for_every_hash_seed() -> None:
-    program = (
-        "import sys; from mars_asp.cli import run_here\n"
-        "for verb in ('analyse', 'synthesise', 'explain'):\n"
-        "    run_here([verb, 'tests/mixed.mars', '--format', 'json'])\n"
-    )
+#: Draws a robot, and prints the other answers about it.
+PROGRAM = """\
+import sys
+from mars_asp.cli import run_here
+for form in ("svg", "dot", "mmd", "png"):
+    assert run_here(["draw", "tests/mixed.mars", "-o", f"{sys.argv[1]}/a.{form}"]) == 0
+for verb in ("analyse", "synthesise", "explain"):
+    run_here([verb, "tests/mixed.mars", "--format", "json"])
+"""
+
+
+def test_output_is_the_same_for_every_hash_seed(tmp_path: Path) -> None:
     outputs = set()
-    for seed in seeds(1, 12):
-        environment = {**os.environ, "PYTHONHASHSEED": str(seed)}
+    for seed in seeds(3, 12):
+        folder = tmp_path / str(seed)
+        folder.mkdir()
         done = subprocess.run(
-            [sys.executable, "-c", program],
+            [sys.executable, "-c", PROGRAM, str(folder)],
             cwd=ROOT,
-            env=environment,
+            env={**os.environ, "PYTHONHASHSEED": str(seed)},
             capture_output=True,
             check=True,
         )
-        outputs.add(done.stdout)
-    (output,) = outputs
+        drawings = tuple(each.read_bytes() for each in sorted(folder.iterdir()))
+        outputs.add((done.stdout, drawings))
+    ((output, drawings),) = outputs
     assert len([json.loads(line) for line in output.splitlines()]) == 3
+    assert len(drawings) == 4 and all(drawings)

@@ -209,30 +209,6 @@ def mars(
     )
 
 
-DRAWN = ("a.svg", "a.dot", "a.mmd", "a.png")
-#: Draws all of them in one process.
-DRAW_ALL = f"""
-from mars_asp.cli import run_here
-from tests.support.campaigns import examples
-for name in {DRAWN}:
-    assert run_here(["draw", "tests/mixed.mars", "-o", f"{{FOLDER}}/{{name}}"]) == 0
-"""
-
-
-def test_bytes_do_not_depend_on_hash_seeds(tmp_path: Path) -> None:
-    for seed in ("0", "1", "2"):
-        folder = tmp_path / seed
-        folder.mkdir()
-        code = f"FOLDER = {str(folder)!r}\n{DRAW_ALL}"
-        environment = {**os.environ, "PYTHONHASHSEED": seed}
-        command = [sys.executable, "-c", code]
-        done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, check=True)
-        assert done.stdout == b""
-    for name in DRAWN:
-        first, *others = ((tmp_path / seed / name).read_bytes() for seed in ("0", "1", "2"))
-        assert first and others == [first, first], name
-
-
 def test_png_is_twice_the_size_and_shows_the_names(tmp_path: Path) -> None:
     root = fromstring(svg_text(picture_of("examples/level0/config.mars")))
     config = (ROOT / "examples/level0/config.mars").read_text()
