@@ -7,8 +7,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import suppress
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +21,7 @@ from mars_asp.execution.campaign.grid import Grid, Run
 from mars_asp.execution.campaign.journal import ended_run
 from tests.support.documents import ROOT
 from tests.support.fixtures import Captured, Patch
-from tests.support.processes import HANGING, PLAIN
+from tests.support.processes import HANGING, PLAIN, children_of, processes_where
 from tests.support.processes import await_true as await_in_time
 from tests.support.trials import DRIVE
 
@@ -291,25 +290,10 @@ def test_a_grid_is_drawn_and_shown_by_cell(campaign: Campaign, capsys: Captured)
         assert share["held"] == sum(line["control_time"][name] > 0 for line in lines)
 
 
-def left(folder: Path) -> Iterator[str]:
-    """Yield the processes that work in a folder, or below it."""
-    for entry in Path("/proc").iterdir():
-        if entry.name.isdigit():
-            try:
-                here = (entry / "cwd").readlink()
-                if here.is_relative_to(folder) and int(entry.name) != os.getpid():
-                    yield (entry / "cmdline").read_text()
-            except OSError:
-                continue
-
-
-def children(parent: int) -> Iterator[int]:
-    """Yield the processes that a process has started."""
-    for entry in Path("/proc").iterdir():
-        if entry.name.isdigit():
-            with suppress(OSError):
-                if f"PPid:\t{parent}\n" in (entry / "status").read_text():
-                    yield int(entry.name)
+def left(folder: Path) -> list[int]:
+    """Return the other processes that work in a folder, or below it."""
+    found = processes_where(lambda each: (each / "cwd").readlink().is_relative_to(folder))
+    return [each for each in found if each != os.getpid()]
 
 
 def await_true(holds: Callable[[], bool], command: "subprocess.Popen[str]") -> None:
@@ -320,7 +304,7 @@ def await_true(holds: Callable[[], bool], command: "subprocess.Popen[str]") -> N
 
 
 def await_none_left(campaign: Campaign) -> None:
-    await_in_time(lambda: not [*left(campaign.folder)], "processes of the command")
+    await_in_time(lambda: not left(campaign.folder), "processes of the command")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="it looks into /proc")
@@ -348,11 +332,11 @@ def test_several_workers_lose_and_repeat_nothing(campaign: Campaign, capsys: Cap
     campaign.behave(0.02)
     with campaign.process("--seeds", "1-24", "--workers", "2") as command:
         await_true(lambda: len(campaign.lines()) > 2, command)
-        (verb,) = children(command.pid)
+        (verb,) = children_of(command.pid)
         runs: list[int] = []
 
         def are_two_running() -> bool:
-            runs[:] = children(verb)
+            runs[:] = children_of(verb)
             return len(runs) == 2
 
         await_true(are_two_running, command)

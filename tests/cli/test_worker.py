@@ -3,11 +3,9 @@
 import json
 import os
 import pty
-import random
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -19,6 +17,7 @@ from tests.support.processes import (
     HANGING,
     await_true,
     ended_children_time,
+    processes_where,
     processor_time,
 )
 from tests.support.runaways import PACKS, contained
@@ -42,18 +41,13 @@ def start(*words: str, environment: dict[str, str] | None = None) -> subprocess.
 
 
 def workers_of(marker: str) -> list[int]:
-    """Return the processes whose command line holds a marker."""
-    found = []
-    for entry in Path("/proc").iterdir():
-        if entry.name.isdigit():
-            try:
-                held = marker.encode() in (entry / "cmdline").read_bytes()
-                running = " Z " not in (entry / "stat").read_text()
-            except OSError:
-                continue
-            if held and running:
-                found.append(int(entry.name))
-    return found
+    """Return the running processes whose command line holds a marker."""
+
+    def holds(entry: Path) -> bool:
+        held = marker.encode() in (entry / "cmdline").read_bytes()
+        return held and " Z " not in (entry / "stat").read_text()
+
+    return processes_where(holds)
 
 
 @pytest.fixture
@@ -95,22 +89,6 @@ def test_a_command_that_is_killed_takes_its_worker_along(pack: Path) -> None:
     command.kill()
     command.wait()
     await_true(lambda: workers_of(str(pack)) == [], "a worker without its command")
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_a_killed_command_leaves_no_torn_file(seed: int, tmp_path: Path) -> None:
-    rng = random.Random(seed)
-    out = tmp_path / "spec.mars"
-    command = start("synthesise", LEVEL0, "-o", str(out))
-    time.sleep(rng.uniform(0.0, 0.6))
-    command.send_signal(rng.choice([signal.SIGINT, signal.SIGTERM, signal.SIGKILL]))
-    command.communicate(timeout=HANGING)
-    time.sleep(0.1)
-    if out.exists():
-        expected = subprocess.run(
-            [*MARS, "synthesise", LEVEL0], cwd=ROOT, capture_output=True, check=True
-        )
-        assert out.read_bytes() == expected.stdout
 
 
 @pytest.mark.parametrize("unbuffered", ["", "1"])
@@ -377,7 +355,7 @@ def test_a_crash_has_a_message_of_its_own(body: str, tmp_path: Path) -> None:
     assert "limit" not in result.decode()
 
 
-@pytest.mark.parametrize("seed", [1000 + each for each in seeds(3, 8)])
+@pytest.mark.parametrize("seed", [1008 + each for each in seeds(7, 10)])
 def test_a_command_that_is_ended_at_random_leaves_nothing(seed: int) -> None:
     assert end_at_random(seed) == []
 

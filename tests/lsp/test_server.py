@@ -14,6 +14,7 @@ from pygls.protocol import default_converter
 from mars_asp.cli import run_here
 from tests.support.documents import ROOT
 from tests.support.fixtures import Captured, Patch
+from tests.support.processes import children_of
 from tests.support.wire import SECONDS, Wire
 
 CONVERTER = default_converter()  # type: ignore[no-untyped-call]
@@ -444,16 +445,11 @@ def test_without_the_extra_it_tells_how_to_install_it(capsys: Captured, monkeypa
     assert capsys.readouterr() == ("", text)
 
 
-def children(of: int) -> list[int]:
-    tasks = Path(f"/proc/{of}/task/{of}/children")
-    return [int(each) for each in tasks.read_text().split()]
-
-
 @pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="reads /proc")
 def test_nothing_is_left_when_the_editor_is_gone() -> None:
     wire = Wire()
     until = time.monotonic() + SECONDS
-    while not (workers := children(wire.process.pid)) and time.monotonic() < until:
+    while not (workers := children_of(wire.process.pid)) and time.monotonic() < until:
         time.sleep(0.05)
     assert workers
     wire.process.kill()

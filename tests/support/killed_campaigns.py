@@ -16,6 +16,7 @@ import time
 from pathlib import Path
 
 from tests.support.documents import ROOT
+from tests.support.processes import children_of
 from tests.support.trials import DRIVE
 
 SCENARIO = """\
@@ -51,11 +52,9 @@ class Cluster:
 
     def kill_worker(self) -> None:
         """Kill the process of a worker, which its nanny then starts again."""
-        parent = self.nannies[0].pid
-        for entry in Path("/proc").iterdir():
-            if entry.name.isdigit() and f"PPid:\t{parent}\n" in (entry / "status").read_text():
-                if "spawn_main" in (entry / "cmdline").read_text():
-                    os.kill(int(entry.name), signal.SIGKILL)
+        for each in children_of(self.nannies[0].pid):
+            if "spawn_main" in Path(f"/proc/{each}/cmdline").read_text():
+                os.kill(each, signal.SIGKILL)
 
     def end(self) -> None:
         """End all of it."""

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -40,6 +40,23 @@ def processor_time(process: int) -> float:
     stat = Path(f"/proc/{process}/stat").read_text(encoding="utf-8", errors="replace")
     user, system = stat.rpartition(")")[2].split()[11:13]
     return (int(user) + int(system)) / _TICKS
+
+
+def processes_where(holds: Callable[[Path], bool]) -> list[int]:
+    """Return the processes whose folder in `/proc` fulfils a condition."""
+    found = []
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit():
+            # It may end meanwhile.
+            with suppress(OSError):
+                if holds(entry):
+                    found.append(int(entry.name))
+    return found
+
+
+def children_of(parent: int) -> list[int]:
+    """Return the processes that a process has started."""
+    return processes_where(lambda each: f"PPid:\t{parent}\n" in (each / "status").read_text())
 
 
 def ended_children_time() -> float:

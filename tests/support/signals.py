@@ -12,12 +12,13 @@ import sys
 import tempfile
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
 from tests.support.documents import ROOT
-from tests.support.processes import HANGING, processor_time
+from tests.support.processes import HANGING, processes_where, processor_time
 
 MARS = (sys.executable, "-m", "mars_asp")
 LEVEL1 = "examples/level1/config.mars"
@@ -129,13 +130,9 @@ def _left(marker: str) -> dict[int, float]:
     """Return the processes that were started with a marker, and the processor time of each."""
     wanted = f"{_MARKER}={marker}".encode()
     found = {}
-    for entry in Path("/proc").iterdir():
-        if entry.name.isdigit():
-            try:
-                if wanted in (entry / "environ").read_bytes().split(b"\0"):
-                    found[int(entry.name)] = processor_time(int(entry.name))
-            except OSError:
-                continue
+    for each in processes_where(lambda e: wanted in (e / "environ").read_bytes().split(b"\0")):
+        with suppress(OSError):
+            found[each] = processor_time(each)
     return found
 
 
