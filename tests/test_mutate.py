@@ -8,6 +8,7 @@ import clingo
 import pytest
 
 from mars_asp.asp.cases.mutants import Mutant, MutantVerdict, drawn, rule_mutants
+from tests.mutate.exchange import exchanges
 from tests.mutate.mutant import known_survivors
 from tests.mutate.python_mutants import compiled_mutants, python_mutants
 from tests.mutate.rules import judge_rules, rule_files
@@ -179,3 +180,8 @@ def test_mutants_of_rules_are_killed(folder: str) -> None:
     cases = ROOT / "tests" / "rules" / folder
     verdicts = judge_rules(tuple(files.values()), mutants, 1, cases, stronger=False)
     assert alive(verdicts) == []
+
+
+def test_functions_are_found_though_the_suite_has_frozen_them() -> None:
+    (found,) = exchanges(["mars_asp/spelling.py"]).values()
+    assert found.functions

@@ -48,6 +48,8 @@ class Exchange:
 def exchanges(paths: Iterable[str]) -> dict[str, Exchange]:
     """Return an `Exchange` for each module, by its path in the repository."""
     modules = {path: import_module(path.removesuffix(".py").replace("/", ".")) for path in paths}
+    # What the suite has frozen is in no list of objects.
+    gc.unfreeze()
     everything = gc.get_objects()
     remembering = tuple(
         held.cache_clear
