@@ -83,17 +83,16 @@ def verify(
     project: Project,
     rulebook: Rulebook,
     grounding: Grounding | None = None,
-    modules: Mapping[str, Module] | None = None,
 ) -> tuple[Violation, ...]:
     """Return the violations that keep a specification from realising a configuration.
 
     `rulebook` contains the stage `verify`; `grounding` is that of the project's analysis, if there
-    is one; `modules` are the ones that the specification's own sources describe.
+    is one.
 
     Raises:
         MarsError: rules that clingo refuses.
     """
-    return judge_specification(specification, project, rulebook, grounding, modules).violations
+    return judge_specification(specification, project, rulebook, grounding).violations
 
 
 def judge_specification(

@@ -333,10 +333,16 @@ def _unmet(
             yield _failure(line.span, _NONE, [f"nodes {_count_list(robot.nodes)}"])
     elif line.what == "expect order":
         if line.text not in robot.orders:
-            there = _order_of(line, robot) or "no order of priorities"
-            yield _failure(line.span, line.text, [], there)
+            order = _order_of(line, robot) or "no order of priorities"
+            yield _failure(line.span, line.text, [], order)
     elif line.counts is not None:
-        yield from _miscounted(line, line.counts, robot)
+        there = robot.counted_of(line.what)
+        if there is None:
+            yield _failure(line.span, line.text, [_NONE])
+        elif any(there[name] != count for name, count in line.counts.items()):
+            others = {n: c for n, c in there.items() if c and line.what == "expect nodes"}
+            found = {name: there[name] for name in line.counts} | others
+            yield _failure(line.span, line.text, [_count_list(found)])
     elif line.what == "expect":
         (wanted,) = line.wanted
         if not any(map(wanted.fits, robot.reported)):
@@ -344,9 +350,9 @@ def _unmet(
             near = near or [each for each in robot.reported if each.kind == wanted.kind]
             yield _failure(line.span, line.text, [], near[0] if near else None)
     elif line.what == "never":
-        found = [each for each in robot.reported if line.wanted[0].fits(each)]
-        if found:
-            yield _failure(line.span, f"no {line.text}", found)
+        unwanted = [each for each in robot.reported if line.wanted[0].fits(each)]
+        if unwanted:
+            yield _failure(line.span, f"no {line.text}", unwanted)
     else:
         expected = [wanted for each in lines if each.what == "expect" for wanted in each.wanted]
         extra = [
@@ -363,19 +369,6 @@ def _order_of(line: ExpectationLine, robot: _Robot) -> str | None:
     """Return the actual order of the controllers of the line's module; None if unknown."""
     module = line.text.partition(":")[0]
     return next((each for each in robot.orders if each.partition(":")[0] == module), None)
-
-
-def _miscounted(
-    line: ExpectationLine, counts: Mapping[str, int], robot: _Robot
-) -> Iterator[Failure]:
-    there = robot.counted_of(line.what)
-    if there is None:
-        yield _failure(line.span, line.text, [_NONE])
-        return
-    found = {name: there[name] for name in counts}
-    if found != dict(counts):
-        others = {n: c for n, c in there.items() if c and line.what == "expect nodes"}
-        yield _failure(line.span, line.text, [_count_list(found | others)])
 
 
 def _count_list(counts: Mapping[str, int]) -> str:

@@ -1,6 +1,6 @@
 """Which of several offered modes a source's link carries, where a specification leaves it open."""
 
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -48,13 +48,14 @@ def state_modes(
             return line
         return replace(line, mode=offered[source][carried[source]])
 
-    return replace(
-        specification,
-        relationships=tuple(
-            with_mode(line) if isinstance(line, Data) else line
-            for line in specification.relationships
-        ),
-    )
+    return change_data(specification, with_mode)
+
+
+def change_data(specification: Configuration, change: Callable[[Data], Data]) -> Configuration:
+    """Return a specification with the result of `change` in place of each data line."""
+    lines = specification.relationships
+    changed = (change(line) if isinstance(line, Data) else line for line in lines)
+    return replace(specification, relationships=tuple(changed))
 
 
 class DirectLines(NamedTuple):

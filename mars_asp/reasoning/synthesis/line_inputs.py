@@ -9,7 +9,7 @@ from mars_asp.model.described import described_modules
 from mars_asp.model.ports import inputs
 from mars_asp.reasoning.facts.ends import ends_in
 from mars_asp.reasoning.facts.identifiers import numbered
-from mars_asp.reasoning.synthesis.carried_modes import connect_directly
+from mars_asp.reasoning.synthesis.carried_modes import change_data, connect_directly
 
 
 def state_inputs(
@@ -45,10 +45,4 @@ def state_inputs(
         port, *others = ports[id(line)] or {None}
         return line if others or port is None else replace(line, client_port=port)
 
-    return replace(
-        specification,
-        relationships=tuple(
-            with_port(line) if isinstance(line, Data) else line
-            for line in specification.relationships
-        ),
-    )
+    return change_data(specification, with_port)
