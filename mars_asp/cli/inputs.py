@@ -224,6 +224,11 @@ def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None
     remember(path, text)
     format = arguments.from_format or recognised(text)
     if format == "mars" and arguments.from_format is None and is_other_file(path, text):
+        if not text.strip():
+            place, help_text = whole_file(path), "write the file, or name another"
+            raise MarsError(
+                [Diagnostic("empty", "error", "the file is empty", place, help=help_text)]
+            )
         message = f"`{path}` is not a robot by itself"
         help_text = "name the workspace, package or launch file that uses it"
         if Path(path).suffix.lower() in (".md", ".toml", ".json"):

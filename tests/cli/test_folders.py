@@ -314,3 +314,39 @@ def test_a_closed_folder_is_named(here: Path, monkeypatch: Patch, capsys: Captur
     monkeypatch.setattr("mars_asp.cli.inputs.os.access", lambda path, mode: path != "closed")
     assert run_here(["check", "closed"]) == 2
     assert "error: closed: permission denied" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "code"),
+    [
+        ("r.launch.py", "def generate_launch_description(:\n", "launch"),
+        ("r.launch.xml", "<launch><node", "launch"),
+        ("r.launch.yaml", "launch: [\n", "yaml"),
+        ("m.yaml", "topics: {a: [\n", "yaml"),
+        ("r.mars", "@configuration\n@modules A uses\n", "syntax"),
+        ("r.urdf", "<robot>", "urdf"),
+        ("e.launch.py", "", "empty"),
+        ("b.launch.py", "\0", "syntax"),
+        ("e.launch.xml", "\n", "empty"),
+        ("other.py", "x = 1\n", "usage"),
+    ],
+)
+def test_a_named_file_that_is_broken_is_an_error(
+    name: str, text: str, code: str, here: Path, capsys: Captured
+) -> None:
+    write(here, {name: text})
+    assert run_here(["check", name, "--format", "json"]) == 2
+    [finding] = json.loads(capsys.readouterr().out)["findings"]
+    kind = None if code == "usage" else "broken_file"
+    assert (finding["code"], finding["kind"], finding["severity"]) == (code, kind, "error")
+
+
+def test_a_broken_part_of_a_workspace_is_a_warning(here: Path, capsys: Captured) -> None:
+    write(here, package("src/a"))
+    broken = {"b.launch.py": "\0", "p.launch.py": "def generate_launch_description(:\n"}
+    broken |= {"x.launch.xml": "<launch><node", "y.launch.yaml": "launch: [\n"}
+    write(here / "src/a/launch", broken)
+    assert run_here(["check", "--format", "json"]) == 0
+    findings = json.loads(capsys.readouterr().out)["findings"]
+    found = [(Path(f["path"]).name, f["kind"], f["severity"]) for f in findings]
+    assert found == [(name, "broken_file", "warning") for name in broken]

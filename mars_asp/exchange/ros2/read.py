@@ -165,10 +165,13 @@ def import_ros2(
     # Muxes that no node of the graph is.
     loose = (unbound(mux) for mux in given if mux.span not in known)
     configuration, left_out = configuration_of(replace(graph, muxes=(*graph.muxes, *loose)))
-    wrong = {each.span for each in problems if each.severity == "error"}
-    further = (each for each in unread if each.sort not in BROKEN or each.span not in wrong)
-    remarks = (*dict.fromkeys(problems), *notes(_once((*further, *left_out))))
-    return Parsed(configuration, remarks, trees=tuple(trees))
+    remarks = (*dict.fromkeys(problems), *notes(_once((*unread, *left_out))))
+    return Parsed(
+        configuration,
+        remarks,
+        tuple(map(print_module, configuration.declared)),
+        trees=tuple(trees),
+    )
 
 
 def _root(path: Path) -> tuple[Path, bool]:
@@ -554,9 +557,10 @@ class _WorkspaceRobot:
             is_script = file.suffix == ".launch" and _SCRIPT.match(text) is not None
             found = is_launch(text) and not is_script
         except MarsError as error:
-            self.unread.append(
-                Unread("launch files with errors", file.name, error.diagnostics[0].span)
-            )
+            path, wrong = self.workspace.shown(file), error.diagnostics[0]
+            name = f"{path}: {wrong.message}"
+            self.unread.append(Unread("launch files with errors", name, wrong.span))
+            self.trees.append(LaunchTree(path, broken=((name, wrong.span),)))
             return False
         if found and self._is_of_ros1(file):
             place = whole_file(self.workspace.shown(file))
@@ -970,7 +974,10 @@ class _WorkspaceRobot:
         # cmd_vel_mux names its file in a parameter.
         named = started.parameters.get("yaml_cfg_file")
         of_its_own = named and self.workspace.find(named.text, self.workspace.root)
-        for file in () if found else (*started.files, *filter(None, (of_its_own,))):
+        files = () if found else (*started.files, *filter(None, (of_its_own,)))
+        for file in files:
+            if self.document(file) is None:
+                continue
             text, shown = self.workspace.text(file), self.workspace.shown(file)
             muxes = self._muxes(partial(read_parts, text, shown))
             # A node of ROS 2 takes the parameters for its name; a launch file may take others.
