@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from mars_asp.asp.rules.statements import defined
 from mars_asp.cli import run_here
 from mars_asp.cli.rules import shown, shown_json
 from mars_asp.reasoning.findings import consequence_kinds
+from mars_asp.reasoning.launch_trees import launch_rules
 from mars_asp.reasoning.packs import FOLDERS
 from mars_asp.reasoning.questions.account import STAGE
 from mars_asp.reasoning.rules import BASE, STAGES, load_rulebook, seal
@@ -272,7 +273,19 @@ def test_lint_findings_are_not_part_of_an_analysis(
     assert capsys.readouterr() == printed
 
 
-def test_each_kind_of_the_base_has_a_reason_for_its_absence() -> None:
-    text = (ROOT / "rules/absence/everywhere.lp").read_text(encoding="utf-8")
-    reasons = set(re.findall(r"(?m)^no_instance_reason\((\w+)", text))
-    assert consequence_kinds(load_rulebook()) <= reasons
+@pytest.mark.parametrize(
+    ("file", "name", "rules"),
+    [
+        ("absence/everywhere.lp", "no_instance_reason", load_rulebook),
+        (
+            "launch/absences.lp",
+            "nowhere_in_trees",
+            lambda: launch_rules(load_rulebook(stages=("launch",))),
+        ),
+    ],
+)
+def test_each_kind_has_a_reason_for_its_absence(
+    file: str, name: str, rules: Callable[[], Rulebook]
+) -> None:
+    text = (ROOT / "rules" / file).read_text(encoding="utf-8")
+    assert consequence_kinds(rules()) <= set(re.findall(rf"(?m)^{name}\((\w+)", text))

@@ -5,7 +5,6 @@ import os
 import re
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from itertools import chain
@@ -37,9 +36,7 @@ from mars_asp.cli.schemas import FORMATS, add_schema, schema_text
 from mars_asp.cli.selection import Selection, add_selection
 from mars_asp.cli.suggested_commands import command
 from mars_asp.cli.wrapping import columns, compared, wrapped
-from mars_asp.diagnostic import Diagnostic, MarsError, Span
-from mars_asp.exchange.recognise import recognised
-from mars_asp.language.parse import read_text
+from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.model.declarations import Configuration
 from mars_asp.model.names import read_name
 from mars_asp.output import counted, visible
@@ -500,18 +497,13 @@ def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     depth = getattr(arguments, "depth", ABSENCE_DEPTH)
     reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
     answer = None
-    if project.trees:
+    kind = arguments.why_not.partition("(")[0].strip()
+    if project.trees or kind not in consequence_kinds(rulebook):
         judging = rulebook_for(arguments, JUDGING)
         found, rules = analyse_trees(project, judging), launch_rules(judging)
         answer = _why_no_finding(project, found, rules, arguments.why_not, arguments)
     if answer is None:
         answer = why_not_answer(reasoner, arguments.why_not, depth)
-    elif not answer.present:
-        # The rules on robots may have a reason. `check` does not report what they find in the nodes
-        # of all launch files together.
-        with suppress(MarsError):
-            of_robot = why_not_answer(reasoner, arguments.why_not, depth)
-            answer = answer if of_robot.present else of_robot
     if arguments.format == "json":
         from mars_asp.cli.trace_document import why_not_document
 

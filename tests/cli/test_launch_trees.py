@@ -135,8 +135,14 @@ def test_a_finding_of_check_can_be_explained(
         ("ambiguous_priority(/cmd_vel)", 0, "ambiguous_priority(/cmd_vel) holds: `/one` and"),
         ('ambiguous_priority("/cmd_vel")', 0, "ambiguous_priority(/cmd_vel) holds: `/one` and"),
         ("ambiguous_priority", 0, "ambiguous_priority holds: `/one` and `/two` publish"),
-        ("loose_end(/cmd_vel)", 0, "No loose_end(/cmd_vel): the rules on launch files find none"),
-        ("dead_remap(_)", 0, "No dead_remap: the rules on launch files find none; `mars-asp"),
+        ("loose_end(/cmd_vel)", 0, "No loose_end(/cmd_vel): nothing that is started subscribes"),
+        (
+            "guard_bypass(/cmd_vel)",
+            0,
+            "no guard, such as a velocity smoother, publishes `/cmd_vel`.",
+        ),
+        ("duplicate_node(/one)", 0, "No duplicate_node(/one): no launch file starts `/one` twice."),
+        ("dead_remap(_)", 0, "No dead_remap: no node is known to lack a topic that a launch file"),
         ("loose_end(/cmd_ve)", 2, "the launch files have no name `/cmd_ve`"),
         ("ambiguous_priority(/one)", 0, "ambiguous_priority(/one) holds: `/one` and `/two`"),
         ("data_cycle(/one)", 0, "`/one` feeds nothing, so nothing leads back to it"),
@@ -153,6 +159,14 @@ def test_why_not_knows_the_findings_in_launch_files(
         run_here([*words, "--format", "json"])
         document = json.loads(capsys.readouterr().out)
         assert document["present"] == (" holds: " in text) and document["traces"]
+
+
+def test_why_not_knows_that_a_robot_has_no_launch_file(tmp_path: Path, capsys: Captured) -> None:
+    robot = tmp_path / "robot.mars"
+    robot.write_text("@configuration\n@modules Camera\n")
+    assert run_here(["explain", str(robot), "--quiet", "--why-not", "duplicate_node(Camera)"]) == 0
+    reason = "No duplicate_node(Camera): launch files alone have such findings, and none was read."
+    assert reason in " ".join(capsys.readouterr().out.split())
 
 
 @pytest.mark.parametrize(

@@ -2,14 +2,18 @@
 
 import clingo
 
+from mars_asp.asp.messages import rendered_messages, saying
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.symbols import symbol_of
+from mars_asp.asp.solve.atoms import Atom, Fact
+from mars_asp.asp.solve.term_ids import as_symbol
 from mars_asp.asp.trace.absence import explain_absence
 from mars_asp.asp.trace.patterns import hole, strings_in
 from mars_asp.asp.trace.tree import Trace
-from mars_asp.diagnostic import MarsError
-from mars_asp.reasoning.analysis import Analysis
-from mars_asp.reasoning.findings import consequence_kinds
+from mars_asp.diagnostic import MarsError, Span
+from mars_asp.reasoning.analysis import Analysis, analyse
+from mars_asp.reasoning.findings import ABSENT, consequence_kinds
+from mars_asp.reasoning.launch_trees import STAGE
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.absence_query import CALL
 from mars_asp.reasoning.questions.launch_trees import is_about
@@ -70,22 +74,44 @@ def why_no_finding(
     def trace() -> Trace:
         return explain_absence(evidence.explainer, pattern, depth)
 
+    because, cited = _reason(analysis, rules, kind, name)
     return WhyNot(
         subject=title,
-        answer=f"No {title}: the rules on launch files find none{' there' if name else ''}; "
-        f"`mars-asp explain {kind}` shows what they look for.",
+        answer=f"No {title}: {because}.",
+        evidence=cited,
         choosable=False,
         analysis=analysis,
         find_trace=trace,
     )
 
 
+def _reason(
+    analysis: Analysis, rules: Rulebook, kind: str, name: str | None
+) -> tuple[str, tuple[Span, ...]]:
+    """Return the reason that `rules/launch/absences.lp` states first, and the lines it cites."""
+    query = Fact(Atom("in_question", (Atom(kind), name or Atom("any"))), analysis.configuration)
+    facts = (*analysis.facts, query)
+    speakers = [rule for rule in rules.rules if rule.because and rule.derives(ABSENT)]
+    grounding = analyse(facts, rules, analysis.configuration).grounding
+    grounding.derive(saying(STAGE, speakers))
+    reasons = rendered_messages(grounding.control, STAGE, speakers)
+    first = min(reasons, key=lambda each: (each.number, str(as_symbol(each.values))))
+    span_of = {each.atom.arguments[0]: each.span for each in facts if each.atom.name == "place"}
+    cited = (
+        span_of[each.arguments[3].number]
+        for each in grounding.symbols("cites", 4)
+        if each.arguments[:3] == as_symbol(first.head).arguments
+    )
+    return first.message or kind, tuple(sorted(set(cited)))
+
+
 def unknown_name(project: Project, analysis: Analysis, name: str) -> MarsError:
-    """Return the error that the launch files do not have a name, with a similar one."""
+    """Return the error that neither launch files nor modules have a name, with a similar one."""
     names = names_in(analysis) | {each.text for each in project.configuration.modules}
     near = f"/{name}" if f"/{name}" in names else nearest(name, names)
     help_text = f"did you mean `{near}`?" if near else "name a node or a topic"
-    return wrong_subject(project, f"the launch files have no name `{name}`", help_text)
+    where = "the launch files have" if project.trees else "there is"
+    return wrong_subject(project, f"{where} no name `{name}`", help_text)
 
 
 def names_in(analysis: Analysis) -> frozenset[str]:
