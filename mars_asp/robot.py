@@ -24,7 +24,7 @@ from mars_asp.cli.can import capability_json, capability_lines
 from mars_asp.cli.check import judge
 from mars_asp.cli.check_output import Checked, reported_findings, result_json
 from mars_asp.cli.diagnostic_text import concise_text
-from mars_asp.cli.diff import difference_json, difference_lines
+from mars_asp.cli.diff import comparable, difference_json, difference_lines
 from mars_asp.cli.explain import (
     Explained,
     explained,
@@ -652,7 +652,8 @@ class Robot:
             help_text = "load it first: `robot.diff(mars_asp.load(PATH))`"
             raise _error("usage", f"`{other!r}` is not a robot", help_text)
         rules, budget = rulebook_for(self._arguments("diff")), self.options.budget
-        old, new = (Reasoner(each.project, rules, budget) for each in (self, other))
+        projects = comparable(self.project, other.project)
+        old, new = (Reasoner(each, rules, budget) for each in projects)
         found = other._quoting(self._quoting(lambda: diff(old, new, lines_of)))()
         consequences = counted(len(found.consequences), "consequence")
         return RobotAnswer(

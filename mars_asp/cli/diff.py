@@ -3,6 +3,7 @@
 import argparse
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from mars_asp.cli.analyse import consequence_json
@@ -13,6 +14,7 @@ from mars_asp.cli.lines import line_at, lines_of, located_line_json
 from mars_asp.cli.wrapping import columns, wrapped
 from mars_asp.output import counted, visible
 from mars_asp.reasoning.budget import Budget
+from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.diff import Change, Difference, diff
 from mars_asp.reasoning.rules import COSTS
 from mars_asp.reasoning.session import Reasoner
@@ -30,12 +32,29 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the changes; return 1 if an error appeared."""
     check_inputs(arguments.old, arguments.new)
     old, new = (read_project(arguments, path) for path in (arguments.old, arguments.new))
+    old, new = comparable(old, new)
     rulebook, budget = rulebook_for(arguments), Budget(arguments.time_limit)
     found = diff(Reasoner(old, rulebook, budget), Reasoner(new, rulebook, budget), lines_of)
     coloured, width = colours(arguments, sys.stdout), columns(sys.stdout)
     lines = difference_lines(found, coloured, arguments.quiet, width)
     print_result(arguments, lambda: difference_json(found), lines)
     return int(found.has_new_errors)
+
+
+def comparable(old: Project, new: Project) -> tuple[Project, Project]:
+    """Return both projects; foreign files beside a specification are what `import` prints of them.
+
+    Configurations have a mux as priorities, and specifications as a node.
+    """
+    return _like(old, new), _like(new, old)
+
+
+def _like(project: Project, other: Project) -> Project:
+    if project.format is None or other.configuration.kind != "specification":
+        return project
+    from mars_asp.exchange.lift import lifted
+
+    return replace(project, configuration=lifted(project.configuration))
 
 
 def difference_json(found: Difference) -> dict[str, object]:

@@ -1,5 +1,6 @@
 """An import that is saved as a `.mars` file and read again: the same findings, whatever it was."""
 
+import json
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -10,6 +11,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from mars_asp.asp.rules.rulebook import Rulebook
+from mars_asp.cli import run_here
 from mars_asp.diagnostic import Span
 from mars_asp.exchange.foreign import ForeignFile, read_foreign
 from mars_asp.exchange.lift import has_glue, lifted, with_origins
@@ -24,6 +26,7 @@ from mars_asp.reasoning.project import described, load_project, project_facts
 from mars_asp.reasoning.rules import load_rulebook
 from tests.support.campaigns import IS_CAMPAIGN, sample
 from tests.support.documents import ROOT
+from tests.support.fixtures import Captured
 
 #: Robots in each format that can be imported.
 FOLDERS = ("dora", "ros2", "rosgraph", "twist_mux", "urdf")
@@ -157,3 +160,21 @@ def test_a_comment_about_a_module_that_is_gone_is_reported() -> None:
     [warning] = parse_text(text, "a.mars").warnings
     assert (warning.span.line, warning.span.column) == (4, 4)
     assert "`/b`, which is not a module of the configuration" in warning.message
+
+
+@pytest.mark.parametrize("words", [(), ("--contract",)])
+def test_a_workspace_does_not_differ_from_its_import(
+    words: tuple[str, ...], tmp_path: Path, capsys: Captured
+) -> None:
+    robot, saved = str(ROOT / "examples" / "ros2_workspace"), tmp_path / "saved.mars"
+    assert run_here(["import", "ros2", robot, "-q", "-o", str(saved), *words]) == 0
+    for pair in ((robot, str(saved)), (str(saved), robot)):
+        assert run_here(["diff", "-q", *pair, "--format", "json"]) == 0
+        found = json.loads(capsys.readouterr().out)
+        assert [found[key] for key in ("consequences", "nodes", "added", "removed")] == [[]] * 4
+    lines = saved.read_text("utf-8").splitlines()
+    saved.write_text("\n".join(line for line in lines if "controlled_by /patrol" not in line))
+    assert run_here(["diff", "-q", robot, str(saved)]) == 0
+    output = capsys.readouterr().out
+    assert "ambiguous_priority: `/follow` and `/patrol` control" in " ".join(output.split())
+    assert "patrol.py:13: self.commands" in output and "<imported>" not in output

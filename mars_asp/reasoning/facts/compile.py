@@ -96,7 +96,7 @@ FRAMES = frozenset(
 
 
 #: The location of facts that no line states.
-_NOWHERE = point("<imported>", 1, 1)
+NOWHERE = point("<imported>", 1, 1)
 #: The constants that facts are made of: a rule pack that replaced one would read other facts.
 CONSTANTS: frozenset[str] = frozenset(
     {*get_args(Architecture), *get_args(Allocation), *NODE_NAMES, *CLASSES, *KNOTS}
@@ -167,10 +167,10 @@ class Compiler:
         """Add the architecture, the existing muxes, and the nodes that could not be read."""
         configuration = self.configuration
         # No line of a foreign file states the architecture.
-        span = configuration.span if configuration.format is None else _NOWHERE
+        span = configuration.span if configuration.format is None else NOWHERE
         self.add(span, "architecture", Atom(configuration.architecture))
         if configuration.origin is not None:
-            self.add(_NOWHERE, "imported", Atom(configuration.origin))
+            self.add(NOWHERE, "imported", Atom(configuration.origin))
         if configuration.period_ms is not None:
             self.add(configuration.span, "period", configuration.period_ms)
         for mux in configuration.muxes:

@@ -25,7 +25,7 @@ from mars_asp.diagnostic import Span, point
 from mars_asp.language.print import print_transformation
 from mars_asp.model.transformation import normalized
 from mars_asp.reasoning.analysis import Consequence
-from mars_asp.reasoning.facts.compile import FRAMES
+from mars_asp.reasoning.facts.compile import FRAMES, NOWHERE
 from mars_asp.reasoning.facts.rates import Rates
 from mars_asp.reasoning.launch_trees import STAGE, analyse_trees
 from mars_asp.reasoning.project import Project
@@ -181,13 +181,14 @@ class _Side:
 
     def compare(self, other: "_Side") -> None:
         """Find the lines that the other side lacks; of repeated lines, the surplus."""
-        left = Counter(other.lines.values())
+        are_alike = (self.project.format is None) == (other.project.format is None)
+        left = Counter(item for facts in other.lines.values() for item in _items(facts, are_alike))
         changed = []
-        for span, item in sorted(self.lines.items()):
-            if left[item] > 0:
-                left[item] -= 1
-            else:
+        for span, facts in sorted(self.lines.items()):
+            items = Counter(_items(facts, are_alike))
+            if span != NOWHERE and items - left:
                 changed.append(span)
+            left.subtract(items)
         self.shown = self.texts.differing(changed, other.texts)
         self.changed = frozenset(self.shown)
         self.unchanged = frozenset(changed) - self.changed
@@ -280,6 +281,11 @@ class _Texts:
             for span in spans
             if (line := found.get((span.path, span.line))) is not None
         }
+
+
+def _items(facts: _LineFacts, is_whole: bool) -> tuple[_LineFacts, ...]:
+    """Return the facts of a line together if `is_whole`, else one by one."""
+    return (facts,) if is_whole else tuple((fact,) for fact in facts)
 
 
 def _unread_values(project: Project) -> Iterator[Fact]:
