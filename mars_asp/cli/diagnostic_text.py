@@ -28,9 +28,6 @@ _MOST_UNREAD = 2
 #: A longer line is quoted only near the location, from so many characters before it.
 _LONGEST, _BEFORE = 400, 40
 _TAB = 4
-#: Codes of errors of the content of a file: at a line, and of the file as a whole.
-_OF_LINES = frozenset({"dora", "dot", "launch", "rosgraph", "syntax", "urdf", "yaml"})
-_OF_FILES = frozenset({"empty", "encoding"})
 
 
 class Suggestion(NamedTuple):
@@ -123,12 +120,6 @@ def suggestion_lines(suggestion: Suggestion | None, width: int) -> Iterator[str]
             )
 
 
-def _is_of_content(diagnostic: Diagnostic) -> bool:
-    """Whether a diagnostic is the error of a file that its format does not allow."""
-    is_of_line = diagnostic.span.line > 0 and diagnostic.code in _OF_LINES
-    return diagnostic.severity == "error" and (is_of_line or diagnostic.code in _OF_FILES)
-
-
 def diagnostic_json(
     diagnostic: Diagnostic, suggestion: Suggestion | None = None
 ) -> dict[str, object]:
@@ -136,7 +127,7 @@ def diagnostic_json(
     span = diagnostic.span
     return {
         "code": diagnostic.code,
-        "kind": diagnostic.kind or ("broken_file" if _is_of_content(diagnostic) else None),
+        "kind": diagnostic.kind,
         "severity": diagnostic.severity,
         "message": diagnostic.message,
         "path": span.path,

@@ -37,6 +37,8 @@ from mars_asp.cli.selection import Selection, add_selection
 from mars_asp.cli.suggested_commands import command
 from mars_asp.cli.wrapping import columns, compared, wrapped
 from mars_asp.diagnostic import Diagnostic, Span
+from mars_asp.exchange.recognise import recognised
+from mars_asp.language.parse import read_text
 from mars_asp.model.declarations import Configuration
 from mars_asp.model.names import read_name
 from mars_asp.output import counted, visible

@@ -116,7 +116,7 @@ class MutatedFile:
 
 
 def rule_file(path: str, stage: str, content: bytes) -> MutatedFile:
-    """Return a file of rules, given as bytes, with the statements that can be mutated."""
+    """Return a file of rules with the statements that can be mutated."""
     starts = [0]
     starts += accumulate(len(line) + 1 for line in content.split(b"\n"))
     # Columns count bytes in clingo.
@@ -140,8 +140,8 @@ def written(tree: SyntaxNode) -> str:
 
 def rule_mutants(file: MutatedFile) -> Iterator[Mutant]:
     """Yield the mutants of a file, without texts that do not parse or are unsafe."""
-    minimised = [s.tree for s in file.statements if s.tree.ast_type == _TYPE.Minimize]
-    levels = sorted({level for tree in minimised if (level := _level(tree)) is not None})
+    costs = (each.tree for each in file.statements if each.tree.ast_type == Kind.Minimize)
+    levels = sorted({level for level in map(_level, costs) if level is not None})
     for place, statement in enumerate(file.statements):
         before = statement.text
         seen = {before}
@@ -153,26 +153,27 @@ def rule_mutants(file: MutatedFile) -> Iterator[Mutant]:
                 yield Mutant(file.path, statement.line, change, before, after, place)
 
 
-def _level(tree: ast.AST) -> int | None:
+def _level(tree: SyntaxNode) -> int | None:
     """Return the level of a minimise statement, or None if it is a variable."""
-    number = tree.priority
-    return number.symbol.number if number.ast_type == _TYPE.SymbolicTerm else None
+    try:
+        return clingo.parse_term(str(tree.priority), lambda *_: None).number
+    except RuntimeError:
+        return None
 
 
 def _of_cost(tree: SyntaxNode, levels: Sequence[int]) -> Iterator[_Variant]:
     """Yield the variants of a minimise statement: another level, weight or direction."""
     if tree.ast_type != Kind.Minimize:
         return
-    if (level := _level(tree)) is not None:
+    level = _level(tree)
+    if level is not None:
         place = levels.index(level)
         for other in (*levels[max(0, place - 1) : place], *levels[place + 1 : place + 2]):
-            symbol = ast.SymbolicTerm(tree.location, clingo.Number(other))
-            yield tree.update(priority=symbol), f"level {level} -> {other}"
-    negated = ast.UnaryOperation(tree.location, ast.UnaryOperator.Minus, tree.weight)
-    yield tree.update(weight=negated), "#minimize -> #maximize"
-    if tree.weight.ast_type != _TYPE.SymbolicTerm:
-        one = ast.SymbolicTerm(tree.location, clingo.Number(1))
-        yield tree.update(weight=one), f"weight {tree.weight} -> 1"
+            yield tree.updated(priority=term_of(str(other))), f"level {level} -> {other}"
+    negated = term_of("-X").updated(argument=tree.weight)
+    yield tree.updated(weight=negated), "#minimize -> #maximize"
+    if tree.weight.ast_type != Kind.SymbolicTerm:
+        yield tree.updated(weight=term_of("1")), f"weight {tree.weight} -> 1"
 
 
 def _variants(node: SyntaxNode, in_body: bool) -> Iterator[_Variant]:

@@ -166,12 +166,7 @@ def import_ros2(
     loose = (unbound(mux) for mux in given if mux.span not in known)
     configuration, left_out = configuration_of(replace(graph, muxes=(*graph.muxes, *loose)))
     remarks = (*dict.fromkeys(problems), *notes(_once((*unread, *left_out))))
-    return Parsed(
-        configuration,
-        remarks,
-        tuple(map(print_module, configuration.declared)),
-        trees=tuple(trees),
-    )
+    return Parsed(configuration, remarks, trees=tuple(trees))
 
 
 def _root(path: Path) -> tuple[Path, bool]:
