@@ -76,7 +76,7 @@ def read_file(path: str | Path, most: int, named_in: str | None = None) -> bytes
 
 
 def _await_writer(handle: int, path: str) -> None:
-    """Wait until a pipe has data.
+    """Wait a few seconds until the pipe with the descriptor `handle` has data.
 
     Raises:
         WallError: no process has written into it.

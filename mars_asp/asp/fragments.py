@@ -148,7 +148,7 @@ def notes(messages: Iterable[str], fragments: Sequence[Fragment]) -> Iterator[No
 
 
 def _located(fragments: Sequence[Fragment], line: int, column: int) -> tuple[Span, bool] | None:
-    """Return the location in a file, and whether it is in a copy; None if it is in none."""
+    """Return the location of a line and column, and whether in a copied rule; None if nowhere."""
     for fragment in fragments:
         lines = fragment.text.count("\n") + 1
         if line <= lines:

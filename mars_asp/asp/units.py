@@ -48,7 +48,7 @@ _SORTS = [
 
 
 def _scaled_unit(unit: str, power: int) -> tuple[int, str]:
-    """Return divisor and sign of the unit in which a sort is shown."""
+    """Return divisor and sign in which a value in 10^`power` of a unit is shown."""
     if power >= 0:
         return 1, f" {_SIGNS[power]}{unit}"
     return (10**-power, f" {unit}") if power >= -6 else (1000, f" {_SIGNS[power + 3]}{unit}")

@@ -141,7 +141,7 @@ class Parser(argparse.ArgumentParser):
         return [action for action in self._actions if action.option_strings]
 
     def positionals(self) -> list[argparse.Action]:
-        """Return the arguments that are no options, in the order of the command line."""
+        """Return the arguments without a dash, in the order of the command line."""
         return [action for action in self._actions if not action.option_strings]
 
     def defaults(self) -> dict[str, Any]:

@@ -160,7 +160,7 @@ def read_baseline(path: str) -> Baseline:
 
 
 def _entry(path: str, number: int, value: object) -> BaselineEntry:
-    """Return an entry of a baseline.
+    """Return entry `number` of the baseline at `path`, as read from its JSON `value`.
 
     Raises:
         MarsError: the value is not an entry.

@@ -276,7 +276,7 @@ def serve_runs() -> None:
 
 
 def _begin(stack: ExitStack, given: int, raw: bytes) -> Callable[[Run], RunOutcome]:
-    """Unpack a job, and return the function that carries out a run; `stack` removes files."""
+    """Unpack a job; return the function that carries out a run, ended with the pipe `given`."""
     job: Job = pickle.loads(raw)
     root = ""
     if job.files is not None:

@@ -276,7 +276,7 @@ def _mark(
     coloured: bool,
     width: int,
 ) -> Iterator[str]:
-    """Yield the marks under a quoted line, with the label beside or below them."""
+    """Yield the marks under a quoted line (`^` if `is_first`, else `-`), with the label."""
     style = severity if is_first else "note"
     gutter = paint(f"{_INSIDE}{' ' * margin} |", "dim", coloured)
     marks = paint(("^" if is_first else "-") * line.marked, style, coloured)

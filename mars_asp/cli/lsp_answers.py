@@ -64,7 +64,7 @@ def main() -> None:
 
 
 def _begin(given: int, options: argparse.Namespace) -> Callable[[Question], Any]:
-    """Load the built-in rules; return the function that answers questions."""
+    """Load the built-in rules; return the function that answers; `given` is a watched pipe."""
     begin_group(given)
     with suppress(OSError, ValueError):
         limit_memory(memory_limit(options))

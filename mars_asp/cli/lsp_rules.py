@@ -45,7 +45,7 @@ def lint_answer(question: Question, options: argparse.Namespace) -> LintedFile:
 
 
 def _rules(path: Path, files: EditorFiles, is_own: bool) -> Rules:
-    """Return the rules around a file: the built-in ones, and those in its folder."""
+    """Return the rules around a file: the built-in ones and, unless `is_own`, those beside it."""
     beside = [] if is_own else sorted(path.parent.glob("*.lp"))[:_MOST_RULES]
     try:
         rulebook = load_rulebook(beside, STAGES)

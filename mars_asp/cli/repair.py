@@ -115,7 +115,7 @@ def _unproposed(consequence: Consequence) -> str:
 
 
 def _mend_text(number: int, mend: Mend, first: str, here: str, width: int) -> Iterator[str]:
-    """Yield the lines of a repair; many lines are not repeated after those of `first`."""
+    """Yield the lines of a repair named `here`; long ones only at their `first` name."""
     messages = "; ".join(visible(edit.message) for edit in mend.edits)
     rules = ", ".join(dict.fromkeys(edit.rule.id for edit in mend.edits))
     yield from wrapped(f"{messages}  [{rules}]", width, f"  {number}. ", _BELOW)

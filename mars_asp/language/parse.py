@@ -125,7 +125,7 @@ def read_bytes(path: Path, most: int = MOST_BYTES, named_in: str | None = None) 
 
 
 def decode(raw: bytes, shown: str, most: int = MOST_BYTES) -> str:
-    """Return the text of a file's bytes.
+    """Return the text of at most `most` bytes; errors name the file as `shown`.
 
     Raises:
         MarsError: the bytes are too many, or not text.

@@ -107,7 +107,7 @@ def _typed(items: Iterable[Completion], text: Text, position: Position) -> Compl
 
 
 def _annotations(before: str, in_source: bool) -> Iterator[Completion]:
-    """Yield completions in an annotation; `before` is the text of the line up to the cursor."""
+    """Yield completions in an annotation after `before`, its line's text up to the cursor."""
     match = _ANNOTATION.search(before)
     if match is None:
         if not in_source or "@" in before:

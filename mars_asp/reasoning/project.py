@@ -223,7 +223,7 @@ def with_kinds(configuration: Configuration, kinds: tuple[PackKind, ...]) -> Con
 
 
 def _not_brought(node: PackNode, is_given: bool) -> Diagnostic:
-    """Return the error that the pack of a node is missing or does not know its kind."""
+    """Return the error that a node's pack is missing or, if it `is_given`, lacks the kind."""
     if is_given:
         message = f"the pack `{node.pack}` has no nodes named as `{node.node}` is"
         advice = f"give the version of `{node.pack}` that this specification was made with"

@@ -214,7 +214,7 @@ def _kind_rule(kind: PackKind) -> Rule:
 
 
 def _built_in(stages: Collection[str], strict: bool, problems: list[Diagnostic]) -> Rulebook:
-    """Return the built-in rules; `problems` gets the errors of unreadable files."""
+    """Return the built-in rules, newly read and checked if `strict`; add errors to `problems`."""
     files = _built_in_files(stages)
     read = [_read_rules(file, strict) for file in files] if strict else _made(files)
     for each in read:

@@ -105,7 +105,7 @@ def _type_text(tokens: Sequence[SourceToken]) -> str:
 
 
 def _arrays(tokens: Sequence[SourceToken], at: int) -> str:
-    """Return the brackets after a name, as in C."""
+    """Return `[]` for each pair of brackets from token `at` on, the C-like array suffix."""
     found = ""
     while text_at(tokens, at) == "[":
         at = closing(tokens, at)

@@ -85,7 +85,7 @@ def _find(code: str, sign: str, at: int, end: int) -> int:
 
 
 def _after_bracket(code: str, at: int, end: int) -> int:
-    """Return the offset after the bracket that closes the one at `at`."""
+    """Return the offset after the bracket that closes the one at `at`, at most `end`."""
     depth = 0
     while at < end:
         depth += (code[at] in "([{") - (code[at] in ")]}")

@@ -153,7 +153,7 @@ def _unread(kind: str, atoms: Sequence[ExpectedAtom], span: Span) -> Iterator[Di
 
 
 def _atoms(text: str, shown: str, line: int, before: int) -> Iterator[ExpectedAtom]:
-    """Yield the atoms of a line; blanks outside of brackets and strings separate them."""
+    """Yield the atoms of a line, separated by blanks; `before` characters precede the text."""
     depth, begin, at = 0, 0, 0
     while at <= len(text):
         character = text[at : at + 1]

@@ -285,7 +285,7 @@ def rewritten(
 def _edits(
     block: Block, answers: Sequence[FoundAnswer], count: int
 ) -> Iterator[tuple[int, int, list[str]]]:
-    """Yield (first line, end, new lines) for each range of lines in a block to replace."""
+    """Yield (first line, end, new lines) to replace in a block, whose text has `count` lines."""
     exact = block.of("=")
     for each in block.of("only") if answers else ():
         patterns = [declared.pattern for declared in each.atoms]

@@ -30,7 +30,7 @@ def probed(rule: Rule) -> tuple[tuple[str, Sequence[SyntaxNode]], ...]:
 
 
 def fired(number: int, rule: Rule) -> str:
-    """Return the rule that derives `_fired` if a rule fires."""
+    """Return a rule that derives `_fired(number)` if the body of `rule` holds."""
     name, body = next(_bodies(rule))
     return _probe_of(name, number, body)
 

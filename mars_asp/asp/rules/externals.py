@@ -24,7 +24,7 @@ class External(NamedTuple):
         return f"{atom} :- {self.body}." if self.body else f"{atom}."
 
     def fragment(self, predicate: str, number: int) -> Fragment:
-        """Return the rule of `marked` as a fragment."""
+        """Return `marked(predicate, number)` as a fragment of a program."""
         return Fragment(self.marked(predicate, number), self.span.path, self.span)
 
 

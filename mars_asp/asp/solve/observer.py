@@ -32,7 +32,7 @@ class Recorded:
     externals: dict[int, bool | None] = field(default_factory=dict)
 
     def note(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
-        """Add a rule or a fact."""
+        """Add a rule of literals (numbers); one head without body or choice is a fact."""
         if not body and len(head) == 1 and not choice:
             self.facts.append(head[0])
         else:

@@ -131,7 +131,7 @@ def _raw_atoms(
     following, is_valid = lib.clingo_symbolic_atoms_next, lib.clingo_symbolic_atoms_is_valid
 
     def begin(control: clingo.Control, name: str, arity: int, positive: bool) -> Any:
-        """Move to the first atom, and return clingo's handle of all atoms."""
+        """Set `place` to the first atom of a predicate; return clingo's handle of all atoms."""
         symbolic: Any = control.symbolic_atoms
         base = symbolic._rep
         check(lib.clingo_signature_create(name.encode(), arity, positive, signature))

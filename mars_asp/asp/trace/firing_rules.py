@@ -293,7 +293,7 @@ class Terms:
         return f"_{self.prefix}{self._count}"
 
     def atom(self, symbol: SyntaxNode, fresh_complex: bool = False) -> str:
-        """Return an atom as text, whose arguments can be matched with those of evaluated atoms."""
+        """Return an atom as text to match; `fresh_complex`: computed arguments get variables."""
         sign, symbol = sign_and_function(symbol)
         found = [self._matching_term(argument, fresh_complex) for argument in symbol.arguments]
         return function_text(f"{sign}{symbol.name}", found)

@@ -363,7 +363,7 @@ def _quoted_lines(leaf: _Quoted, level: int, width: int) -> Iterator[str]:
 
 
 def _placed(line: str, span: Span, level: int, width: int) -> Sequence[str]:
-    """Return the last line of a rule's text, followed by the location in the same or next line."""
+    """Return the last line of a rule, with its location beside it, or in a line below."""
     place = f"{_shown_path(span.path)}:{span.line}"
     if len(line) + 1 + len(place) <= width:
         return (f"{line} {place}",)

@@ -115,7 +115,7 @@ class CppCode:
     # ---- Places and texts
 
     def span(self, token: SourceToken, length: int | None = None) -> Span:
-        """Return the location of a token."""
+        """Return the location of a token, or of its first `length` characters."""
         line, column = self.source.position(token.offset)
         end = column + (len(token.text) if length is None else length)
         return Span(self.source.path, line, column, line, end)

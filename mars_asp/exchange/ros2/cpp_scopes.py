@@ -274,7 +274,7 @@ class ScopedCode(CppCode):
         return opening if self.is_typed(typed) else None
 
     def _first_declared(self, at: int, opening: int) -> int:
-        """Return the index of the first name in a declaration of several names."""
+        """Return the index of the first name declared in the declaration of the name at `at`."""
         begin = at - 1
         last = max(opening, at - 4 * _MOST_WORDS)
         while begin > last and text_at(self.tokens, begin) not in (";", "{"):

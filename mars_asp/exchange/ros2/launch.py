@@ -784,7 +784,7 @@ class Launch:
 
 
 def _at_include(started: Started, span: Span, is_rewritten: bool) -> Started:
-    """Return a node of a catalogued launch file with all locations at the include."""
+    """Return a node of a catalogued launch file, located at the include (`span`)."""
     shown = started.span.path
     return replace(
         started,

@@ -86,7 +86,7 @@ def tested(node: ast.expr, value: Evaluate, span: Span) -> Tested:
 
 
 def _literal(holds: bool, span: Span) -> Tested:
-    """Return the test for a condition whose truth is known: a constant."""
+    """Return the test that always holds, or never if `holds` is false, at `span`."""
     return Tested((Test(("true",), None, holds, span),), True)
 
 

@@ -328,7 +328,7 @@ class CppFile(ScopedCode):
         return found
 
     def _handle(self, call: CppCall, name_at: int) -> tuple[int, int]:
-        """Return the range of a call's node handle: the object, or the first argument."""
+        """Return the token range of a call's node handle: its object, or argument 0."""
         if not name_at:
             return handle_tokens(self, call.at)
         opening = call.at + 1

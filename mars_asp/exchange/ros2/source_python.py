@@ -351,7 +351,7 @@ class _Unit(PythonTexts):
         return found
 
     def further(self, call: ast.Call, name_at: int, keyword: str | None) -> None:
-        """Collect the name of a service or action (argument `keyword`), or of a parameter."""
+        """Collect the name (argument `name_at` or `keyword`) of a service, action or parameter."""
         name = argument_of(call, name_at, *([keyword] if keyword else ()))
         for _ in self.rounds_of(call):
             for _ in self.choices():

@@ -528,7 +528,7 @@ class Workspace:
         return has_build_file and self.targets(package).is_whole
 
     def has_program(self, package: str, executable: str, of_ros2: bool | None) -> bool:
-        """Whether a package may have a program `executable`; true if it is not here."""
+        """Whether a package may have a program; true if it is not here, or is of the other ROS."""
         found = self._by_name.get(package)
         if found is None or self.is_for_other_ros(package, of_ros2):
             return True

@@ -151,7 +151,7 @@ def fail(
     now: int,
     inputs: Sequence[object] = (),
 ) -> None:
-    """Count an exception, and on each link a dropped message."""
+    """Count an exception at time `now` (ns), and on each of `links` a dropped message."""
     failures.note(error, now, inputs)
     for link in links:
         link.drop(error)

@@ -90,7 +90,7 @@ class Algorithm:
         self.runs = 0
 
     def input(self, link: Link, pulled: bool) -> Callable[[Message], None]:
-        """Return the receiver of the messages of one link, which stores them by `link.slot`."""
+        """Return the receiver of a link's messages; those of a `pulled` link are requested."""
         index, latest, unheard = link.slot, self.latest, self.unheard
         while len(latest) <= index:
             unheard.add(len(latest))
@@ -117,7 +117,7 @@ class Algorithm:
         return trigger if self.triggered else keep
 
     def keep_pulled(self, index: int, message: Message) -> None:
-        """Store a pulled message; continue the waiting run if it was the last."""
+        """Store a pulled message of input `index`; run if all requested ones have arrived."""
         self.latest[index] = message.value
         self.unheard.discard(index)
         self.missing.discard(index)

@@ -57,7 +57,7 @@ class Schedule:
         return self._queues[rank].append
 
     def at(self, time: int, rank: int, action: Action) -> None:
-        """Run an action at a time, or in this instant if the time has passed."""
+        """Run an action at a time (ns), or in this instant if it has passed, in order of rank."""
         if time <= self.now:
             self._queues[rank].append(action)
             return

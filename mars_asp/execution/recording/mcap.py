@@ -131,7 +131,7 @@ class Foxglove:
         self._channels: dict[str, int] = {}
 
     def observe(self, at: int, what: str, where: str, value: object) -> None:
-        """Write an event."""
+        """Write an event `what` (see `Event`) of the link or node `where` at a time in ns."""
         if what in ("data", "control"):
             topic = self._topics[where]
             if topic is not None:

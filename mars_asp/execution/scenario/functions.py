@@ -101,7 +101,7 @@ class Functions:
             )
 
     def _part(self, target: Any, part: str, context: Context, knows: bool) -> tuple[Any, bool]:
-        """Return an attribute of a file, class or object, and whether it got the context."""
+        """Return the attribute `part`, and whether its object got the context (`knows`)."""
         if isinstance(target, type) and not isinstance(getattr(target, part, None), type):
             made, knows = self._made(target, context)
             return method_of(made, part), knows

@@ -198,7 +198,7 @@ class Fleet:
         return halted
 
     def _search(self, k: int, way: MotionSegment) -> _Search:
-        """Return the search for the gap of a robot to the world on a segment."""
+        """Return the search for the gap of robot `k` to the world on its segment `way`."""
         body = self.bodies[k]
 
         def note(gap: float) -> None:

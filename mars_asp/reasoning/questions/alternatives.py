@@ -100,7 +100,7 @@ class Alternatives:
 def alternatives(
     reasoner: Reasoner, subject: str | None = None, most: int = 5, shown: int | None = None
 ) -> Alternatives | None:
-    """Return alternatives to the whole or a node, or None if no specification exists.
+    """Return up to `most` alternatives to the whole or a node, None without a specification.
 
     The first `shown` certificate entries have reasons, all if it is `None`. The rulebook of
     `reasoner` contains the stages `resolve` and `account`.

@@ -190,7 +190,7 @@ def _topics(
     every: bool,
     traced: bool,
 ) -> tuple[Topic, ...]:
-    """Return topics with their accounts, and with traces if `traced` or for atoms."""
+    """Return topics with accounts; also traces if `traced`, with `every` derivation if set."""
     # Only consequences and nodes have an account, so other atoms have None for their thing.
     accounts = iter(
         explanations_of(

@@ -43,7 +43,7 @@ class SpecifiedAtoms:
         return atoms(self._grounding.control, *predicate)
 
     def rows(self, name: str, arity: int) -> list[Sequence[TermId]]:
-        """Return the arguments of the atoms of a predicate."""
+        """Return, for each derived atom of the predicate `name`/`arity`, its arguments."""
         return [arguments(atom) for atom in atoms(self._grounding.control, name, arity, True)]
 
     def of_each(self, name: str) -> dict[TermId, TermId]:
