@@ -36,7 +36,7 @@ class NumberedFinding:
     text: str
 
     def __str__(self) -> str:
-        """Return the finding in one line."""
+        """Return the finding's number, severity and message in one line."""
         return f"{self.number} {self.severity}: {self.text}"
 
 

@@ -45,7 +45,7 @@ class Draft(FileText):
     """A text and its edits; offsets are those of the original text."""
 
     def __init__(self, path: str, text: str) -> None:
-        """Begin with a text."""
+        """Begin without edits; `text` is the content of the file at `path`."""
         super().__init__(path, text)
         self._stretches: dict[tuple[int, int], str] = {}
         self._deleted: set[int] = set()

@@ -40,7 +40,7 @@ class Recorded:
 
 
 class _Rare(clingo.Observer):
-    """Records everything except plain rules."""
+    """A clingo observer that records all statements except plain rules."""
 
     def __init__(self, noted: Recorded) -> None:
         self.noted = noted
@@ -66,7 +66,7 @@ class _Rare(clingo.Observer):
 
 
 class _All(_Rare):
-    """Records plain rules as well."""
+    """A clingo observer that records all statements."""
 
     def rule(self, choice: bool, head: Sequence[int], body: Sequence[int]) -> None:
         self.noted.note(choice, head, body)
