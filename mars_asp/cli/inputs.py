@@ -388,7 +388,7 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
                 found += (RobotFiles([str(each)]) for each in within.paths)
                 found[-1] = found[-1]._replace(notes=within.notes)
                 continue
-            found.append(RobotFiles([path]))
+            found.append(RobotFiles([path], notes=within.notes))
             continue
         _print_settings(arguments, Path(shown).parent)
         detail(arguments, f"robot {path}")

@@ -20,6 +20,8 @@ _BUILT = frozenset("build target node_modules __pycache__ venv".split())
 _OF_TESTS = frozenset("template templates test tests fixtures".split())
 #: A folder with packages of ROS up to this depth is a workspace of ROS.
 _NEAR = 2
+#: Files that are neither judged with the robot of their folder nor by themselves.
+_OTHERS = "robots of other formats, which `mars-asp check FILE` judges,"
 #: How many entries of folders are listed, files are read, and dataflows are taken.
 MOST_ENTRIES = 100_000
 MOST_READ = 5_000
@@ -83,6 +85,13 @@ def robots_in(folder: Path, is_excluded: IsExcluded = nothing_excluded) -> Folde
             unread += (_unread("packages of ROS", path / "package.xml") for path in packages)
             ros = []
         found += dataflows
+        outside = [path for _, path in entries if not _lies_in(path, packages)]
+        texts = "".join(map(_text_of, launches)) if ros else ""
+        for path in _by_content(folder, outside, []):
+            # Launch files and what they load are judged with the robot of the folder.
+            is_own = ros and (path.name in texts or recognised(_text_of(path)) == "ros2")
+            if path not in found and not is_own:
+                unread.append(_unread(_OTHERS, path))
         passed_over = 0
     else:
         outside = [path for _, path in entries if path not in ros and not _lies_in(path, ros)]
@@ -147,10 +156,7 @@ def _by_content(folder: Path, paths: Sequence[Path], unread: list[Unread]) -> It
     unread += (_unread("files", path) for path in possible[MOST_READ:])
     dataflows = []
     for path in possible[:MOST_READ]:
-        try:
-            text = read_text(path)
-        except MarsError:
-            continue
+        text = _text_of(path)
         match recognised(text):
             case "dora" if not _is_test(folder, path) and re.search(_OF_NODES, text):
                 dataflows.append(path)
@@ -210,8 +216,13 @@ def _is_test(folder: Path, path: Path) -> bool:
 
 
 def _is_dataflow(path: Path, sign: str) -> bool:
-    try:
-        text = read_text(path)
-    except MarsError:
-        return False
+    text = _text_of(path)
     return recognised(text) == "dora" and re.search(sign, text) is not None
+
+
+def _text_of(path: Path) -> str:
+    """Return the text of a file, an empty one if it cannot be read."""
+    try:
+        return read_text(path)
+    except MarsError:
+        return ""

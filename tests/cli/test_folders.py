@@ -107,6 +107,28 @@ def test_the_robots_of_a_folder(
     assert judged(capsys, str(here)) == [os.path.normpath(here / each) for each in robots]
 
 
+@pytest.mark.parametrize(
+    ("files", "named"),
+    [
+        ({"r.launch.xml": LAUNCH, "m.yaml": MUX, "r.urdf": URDF}, ["m.yaml", "r.urdf"]),
+        ({"r.launch.xml": LAUNCH, "d.yml": DATAFLOW, "m.yaml": MUX}, ["m.yaml", "r.launch.xml"]),
+        (package("p") | {"r.launch.xml": LAUNCH, "d.yml": DATAFLOW, "m.yaml": MUX}, ["m.yaml"]),
+        # Files of a package, and those that a launch file loads, are judged with it.
+        (package("p") | {"p/m.yaml": MUX, "p/r.urdf": URDF}, []),
+        ({"r.launch.xml": f"<!-- r.urdf -->{LAUNCH}", "r.urdf": URDF, "x.yaml": "a: 1"}, []),
+    ],
+)
+def test_a_note_names_the_robots_that_are_not_judged(
+    files: dict[str, str], named: list[str], here: Path, capsys: Captured
+) -> None:
+    write(here, files)
+    assert run_here(["check"]) == 0
+    listed = ", ".join(f"`{name}`" for name in named)
+    note = f"which `mars-asp check FILE` judges, not read: {len(named)} ({listed}) [not_read]"
+    output = capsys.readouterr().err
+    assert (note in output) == ("check FILE" in output) == bool(named)
+
+
 def test_links_to_folders_are_passed_over(here: Path, capsys: Captured) -> None:
     write(here, {"a/x.mars": MARS, "b.mars": MARS})
     (here / "link").symlink_to(here / "a")
