@@ -169,19 +169,18 @@ def _assigned_by(node: ast.AST) -> Iterator[tuple[str, ast.expr, ast.AST | None]
     match node:
         case ast.Assign(targets=targets, value=value):
             yield from (pair for target in targets for pair in _pairs(target, value))
-        case ast.AnnAssign(target=target, value=ast.expr() as value):
-            yield from _pairs(target, value)
-        case ast.NamedExpr(target=target, value=value):
+        case (
+            ast.AnnAssign(target=target, value=ast.expr() as value)
+            | ast.NamedExpr(target=target, value=value)
+        ):
             yield from _pairs(target, value)
         case ast.AugAssign(target=target, op=op, value=value):
             # The variable within the new value has the value before.
             before = ast.copy_location(_loaded(target), target)
             summed = ast.copy_location(ast.BinOp(before, op, value), target)
             yield from _pairs(target, summed)
-        case ast.For(target=target) | ast.AsyncFor(target=target):
-            yield from _pairs(target, OF_LOOP)
-        case ast.comprehension(target=target):
-            yield from _pairs(target, OF_LOOP)
+        case ast.For() | ast.AsyncFor() | ast.comprehension():
+            yield from _pairs(node.target, OF_LOOP)
         case ast.withitem(optional_vars=ast.expr() as target):
             yield from _pairs(target, UNKNOWN_VALUE)
         case ast.ExceptHandler(name=str() as name):
@@ -217,33 +216,26 @@ def _pairs(target: ast.expr, value: ast.expr) -> Iterator[tuple[str, ast.expr, a
                 yield name, value, None
 
 
-def _children(node: ast.AST, place: CodePlace) -> Iterator[tuple[ast.AST, CodePlace]]:
+def _children(node: Any, place: CodePlace) -> Iterator[tuple[ast.AST, CodePlace]]:
     """Yield the child nodes that have a place of their own, with it."""
     match node:
-        case ast.If(test=test, body=body, orelse=orelse):
+        case ast.If(test=test) | ast.IfExp(test=test):
             yield test, place
-            for branch, statements in enumerate((body, orelse)):
-                blocks = (*place.blocks, (id(node), branch))
-                tests = (*place.tests, (test, branch == 0))
-                yield from (
-                    (each, place._replace(blocks=blocks, tests=tests)) for each in statements
+            for branch, part in enumerate((node.body, node.orelse)):
+                inner = place._replace(
+                    blocks=(*place.blocks, (id(node), branch)),
+                    tests=(*place.tests, (test, branch == 0)),
                 )
-        case ast.IfExp(test=test, body=body, orelse=orelse):
-            yield test, place
-            for part, holds in ((body, True), (orelse, False)):
-                yield part, place._replace(tests=(*place.tests, (test, holds)))
-        case (
-            ast.For(target=target, iter=over, body=body, orelse=orelse)
-            | ast.AsyncFor(target=target, iter=over, body=body, orelse=orelse)
-        ):
-            yield over, place
-            around = _block(body, place, _LOOP)._replace(loops=(*place.loops, (target, over)))
-            yield from ((each, around) for each in body)
-            yield from ((each, place) for each in orelse)
-        case ast.While(test=test, body=body, orelse=orelse):
-            yield test, place
-            yield from ((each, _block(body, place, _LOOP)) for each in body)
-            yield from ((each, place) for each in orelse)
+                yield from ((each, inner) for each in (part if isinstance(part, list) else [part]))
+        case ast.For() | ast.AsyncFor() | ast.While():
+            around = _block(node.body, place, _LOOP)
+            if isinstance(node, ast.While):
+                yield node.test, place
+            else:
+                yield node.iter, place
+                around = around._replace(loops=(*place.loops, (node.target, node.iter)))
+            yield from ((each, around) for each in node.body)
+            yield from ((each, place) for each in node.orelse)
         case ast.Try(body=body, handlers=handlers, orelse=orelse, finalbody=last):
             for statements in (body, orelse):
                 yield from ((each, _block(statements, place)) for each in statements)
@@ -251,13 +243,10 @@ def _children(node: ast.AST, place: CodePlace) -> Iterator[tuple[ast.AST, CodePl
             yield from ((each, place) for each in last)
         case ast.match_case(body=body):
             yield from ((each, _block(body, place)) for each in ast.iter_child_nodes(node))
-        case ast.FunctionDef() | ast.AsyncFunctionDef() | ast.Lambda() | ast.ClassDef():
-            # What the function is called with is of the place where it is called.
-            own = CodePlace((*place.scopes, node), (), place.loops, place.tests)
-            yield from ((each, own) for each in ast.iter_child_nodes(node))
-        case ast.ListComp() | ast.SetComp() | ast.GeneratorExp() | ast.DictComp():
-            loops = (*place.loops, *((part.target, part.iter) for part in node.generators))
-            own = CodePlace((*place.scopes, node), (), loops, place.tests)
+        case _:
+            # What a function is called with is of the place where it is called.
+            loops = [(part.target, part.iter) for part in getattr(node, "generators", ())]
+            own = CodePlace((*place.scopes, node), (), (*place.loops, *loops), place.tests)
             yield from ((each, own) for each in ast.iter_child_nodes(node))
 
 
