@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.arguments import add_flags, misuse
-from mars_asp.cli.check_output import FORMATS, TEXT_FORMATS, Checked, left_out_text, write_report
+from mars_asp.cli.check_output import (
+    FORMATS,
+    TEXT_FORMATS,
+    Checked,
+    left_out_text,
+    new_warning_lines,
+    write_report,
+)
 from mars_asp.cli.deliver import (
     file_key,
     is_writable,
@@ -127,7 +134,8 @@ def _show_changes(checked: Sequence[Checked], arguments: argparse.Namespace, sta
         within = f" in {counted(len(changes), 'file')}" if changes else ""
         left_out = sum(one.left_out for one in checked)
         further = f"; {left_out_text(left_out)}" if left_out else ""
-        write_closing(f"{counted(repairs, 'finding')} would be fixed{within}{further}\n")
+        summary = f"{counted(repairs, 'finding')} would be fixed{within}{further}\n"
+        write_closing("".join((summary, *new_warning_lines(checked))))
     return status if is_wrong else int(bool(changes))
 
 
@@ -358,7 +366,7 @@ def _fix(
         return None
     edited.update((file_key(path), (one.path, new)) for path, new, _ in one.written)
     one.mended = fixed.repairs
-    one.left_out = len(sole) - len(fixed.repairs)
+    one.left_out, one.new_warnings = len(fixed.left_out), fixed.warnings
     return fixed
 
 

@@ -55,6 +55,7 @@ class Checked:
     mendable: int = 0
     #: How many sole repairs conflict with the applied ones.
     left_out: int = 0
+    new_warnings: tuple[str, ...] = ()
     #: The files that repairs change: path, new content, old content.
     written: list[tuple[str, bytes, bytes]] = field(default_factory=list)
     #: The text of standard input after the repairs.
@@ -187,10 +188,20 @@ def _closing(
         for edit in mend.lines:
             for line in line_text(edit):
                 yield f"{line.removeprefix('   ')}\n"
+    if not is_listed:
+        yield from new_warning_lines(checked)
     if not arguments.quiet:
         for sentence in _summary_sentences(checked, remarks, arguments):
             for line in wrapped(sentence, width, further="  "):
                 yield f"{line}\n"
+
+
+def new_warning_lines(checked: Sequence[Checked]) -> Iterator[str]:
+    """Yield the lines on warnings that were not there before the repairs."""
+    width = columns(sys.stderr)
+    for message in (each for one in checked for each in one.new_warnings):
+        for line in wrapped(visible(message), width, "    then warns: ", "      "):
+            yield f"{line}\n"
 
 
 def _summary_sentences(

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -685,3 +686,24 @@ def test_a_module_may_be_named_like_a_location(robots: Path, capsys: Captured) -
 def test_excluded_paths_are_named_with_verbose(robots: Path, capsys: Captured) -> None:
     assert run_here(["check", "--exclude", "[bct]*.mars", "--exclude", "twice.mars", "-v"]) == 2
     assert "mars-asp: excluded bad.mars\n" in capsys.readouterr().err
+
+
+def test_fix_reports_the_warnings_that_it_brings(tmp_path: Path, capsys: Captured) -> None:
+    robot = tmp_path / "robot.mars"
+    shutil.copy(ROOT / "examples/module-conflict/two-cameras.mars", robot)
+    for option in ("--diff", "--fix"):
+        run_here(["check", str(robot), option])
+        output = " ".join(capsys.readouterr().err.split())
+        assert "then warns: `FollowBall` and `WatchDoor` control `Head` with the same" in output
+
+
+def test_a_finding_that_another_repair_fixes_is_not_left_out(
+    tmp_path: Path, capsys: Captured
+) -> None:
+    robot = tmp_path / "robot.mars"
+    shutil.copy(ROOT / "tests/cli/one_repair_of_two.mars", robot)
+    run_here(["check", str(robot), "--fix"])
+    output = capsys.readouterr().err
+    assert "left out" not in output and "; 1 fixed" in output
+    run_here(["check", str(robot)])
+    assert "exactly one repair" not in capsys.readouterr().err

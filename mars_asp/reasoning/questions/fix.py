@@ -22,10 +22,13 @@ from mars_asp.reasoning.questions.repair import (
 class AppliedFix:
     """Repairs that were applied together, and the resulting project.
 
+    `left_out` are those whose findings are still there, `warnings` the messages that are new.
     `lines` are the edits of the original files, `texts` the resulting files by their paths.
     """
 
     repairs: tuple[Repair, ...]
+    left_out: tuple[Repair, ...]
+    warnings: tuple[str, ...]
     lines: tuple[LineEdit, ...]
     texts: Mapping[str, str]
     project: Project
@@ -75,13 +78,13 @@ def fix(project: Project, rulebook: Rulebook, sole: Sequence[Repair]) -> Applied
     texts = EditedTexts(project)
     analysis = analyse(project_facts(project), rulebook, project.configuration.span)
     before = FindingCounts(analysis.consequences)
-    whole = _applied(texts, before, rulebook, sole)
+    whole = _applied(texts, before, rulebook, sole, sole)
     if whole is not None:
         return whole
     kept: list[Repair] = []
     found = None
     for repair in sole:
-        more = _applied(texts, before, rulebook, [*kept, repair])
+        more = _applied(texts, before, rulebook, [*kept, repair], sole)
         if more is not None:
             kept.append(repair)
             found = more
@@ -89,7 +92,11 @@ def fix(project: Project, rulebook: Rulebook, sole: Sequence[Repair]) -> Applied
 
 
 def _applied(
-    texts: EditedTexts, before: FindingCounts, rulebook: Rulebook, chosen: Sequence[Repair]
+    texts: EditedTexts,
+    before: FindingCounts,
+    rulebook: Rulebook,
+    chosen: Sequence[Repair],
+    sole: Sequence[Repair],
 ) -> AppliedFix | None:
     """Return the result of all repairs; None if a finding remains or an unannounced one is new."""
     mends = [repair.mends[0] for repair in chosen]
@@ -106,4 +113,13 @@ def _applied(
         or any(remark.message not in announced for remark in trial.remarks)
     ):
         return None
-    return AppliedFix(tuple(chosen), trial.lines, trial.texts, trial.project)
+    left_out = tuple(each for each in sole if not trial.counts.lacks(each.consequence, before))
+    messages = (*(each.message for each in new), *(each.message for each in trial.remarks))
+    return AppliedFix(
+        tuple(chosen),
+        left_out,
+        tuple(dict.fromkeys(messages)),
+        trial.lines,
+        trial.texts,
+        trial.project,
+    )
