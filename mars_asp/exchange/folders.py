@@ -136,7 +136,7 @@ def _beside_ros(
 ) -> list[Path]:
     """Return the dora dataflows in a folder of ROS packages, if at least one is near its top.
 
-    With deeper ones alone it is no robot of dora. `unread` gets the files not examined.
+    Deeper ones alone do not count. `unread` gets the files not examined.
     """
     yaml = sorted(
         each for each in entries if each[1].suffix in _YAML and not _is_test(folder, each[1])

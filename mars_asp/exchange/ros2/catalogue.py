@@ -48,7 +48,7 @@ class Catalogue:
         return None
 
     def interface(self, package: str, executable: str, plugin: bool) -> Interface | None:
-        """Return the interface of a program or, for a `plugin`, of a component class; or None."""
+        """Return the interface of a program, or of a component class if `plugin`, or None."""
         if plugin:
             return self._plugins.get(executable)
         return self._programs.get((package, executable))
