@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TypeAlias
 
 import clingo
-from clingo import ast
 
 from mars_asp.asp.cases import coverage, find_cases
 from mars_asp.asp.cases.coverage import LEFT_OUT, Case, Coverage, Measure, refusals, watched
@@ -20,6 +19,7 @@ from mars_asp.asp.rules.read import read_case
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.rules.statements import shown as shown_in
+from mars_asp.asp.rules.trees import SyntaxNode
 from mars_asp.asp.signature import Signature
 from mars_asp.reasoning.cases import stages_of
 from mars_asp.reasoning.cases.run import tried
@@ -34,7 +34,7 @@ _PROBES = Signature(FIRED, 2), Signature(NEAR, 2)
 #: A probe that holds: its name, the number of the case and that of the rule.
 _HOLDS = re.compile(rf"({FIRED}|{NEAR})\((\d+),(\d+)\)")
 #: The names and the bodies of the probes of rules, by their numbers.
-_Probes: TypeAlias = Mapping[int, Sequence[tuple[str, Sequence[ast.AST]]]]
+_Probes: TypeAlias = Mapping[int, Sequence[tuple[str, Sequence[SyntaxNode]]]]
 #: The number of a case that has an answer.
 _ANSWERS = re.compile(r"\bin_\((\d+)\)")
 
@@ -43,7 +43,7 @@ def covered(rulebook: Rulebook, rules: Sequence[Rule]) -> Coverage:
     """Run all cases at once with probes beside the rules."""
     found = [tried(each, rulebook) for each in CASES]
     numbers = {rule: number for number, rule in enumerate(rulebook.rules)}
-    at = {numbers[rule]: n for n, rule in enumerate(rule for rule in rules if rule.ast.body)}
+    at = {numbers[rule]: n for n, rule in enumerate(rule for rule in rules if rule.node.body)}
     held = {(name, at[number]) for name, number in _fired_or_near(rulebook) if number in at}
     return coverage.covered(rules, rulebook, found, Measure(lambda *_: held, _refusing))
 
@@ -71,7 +71,7 @@ def _refusing(
 def fired_in(rules: Sequence[Rule], rulebook: Rulebook, cases: Iterable[Path]) -> list[list[Path]]:
     """Return the cases that fire each of some rules."""
     numbers = {rule: number for number, rule in enumerate(rulebook.rules)}
-    probes: _Probes = {numbers[rule]: [(FIRED, list(rule.ast.body))] for rule in rules}
+    probes: _Probes = {numbers[rule]: [(FIRED, list(rule.node.body))] for rule in rules}
     fired: dict[int, list[Path]] = {numbers[rule]: [] for rule in rules}
     for _, number, path in _holding(probes, rulebook, cases, once=False):
         fired[number].append(path)
@@ -85,7 +85,7 @@ def _fired_or_near(rulebook: Rulebook) -> set[tuple[str, int]]:
     """
     stages = {"base", *chain.from_iterable(map(stages_of, CASES))}
     probes: _Probes = {
-        number: list(probed(rule)) if rule.ast.body else [(FIRED, [])]
+        number: list(probed(rule)) if rule.node.body else [(FIRED, [])]
         for number, rule in enumerate(rulebook.rules)
         if rule.stage in stages
     }
