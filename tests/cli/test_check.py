@@ -409,7 +409,7 @@ def test_one_document_has_findings_notes_and_each_robot(robots: Path) -> None:
     assert (document["format"], document["version"]) == ("mars-check", 1)
     assert [each["path"] for each in document["files"]] == list(names)
     first = document["findings"][0]
-    assert (first["kind"], first["code"], first["severity"]) == ("broken_file", "syntax", "error")
+    assert (first["kind"], first["code"], first["severity"]) == (None, "syntax", "error")
     assert {each["kind"] for each in document["notes"]} == {"launch", "catalogue"}
     assert {each["severity"] for each in document["notes"]} == {"note"}
     assert [document[key] for key in ("errors", "warnings", "fixed")] == [1, 5, 0]
