@@ -186,7 +186,7 @@ class _Side:
         changed = []
         for span, facts in sorted(self.lines.items()):
             items = Counter(_items(facts, are_alike))
-            if span != NOWHERE and items - left:
+            if span != NOWHERE and any(left[item] < items[item] for item in items):
                 changed.append(span)
             left.subtract(items)
         self.shown = self.texts.differing(changed, other.texts)
