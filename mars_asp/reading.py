@@ -138,7 +138,7 @@ def hide_lines(path: str) -> None:
 
 
 def is_hidden(path: str) -> bool:
-    """Whether messages must not show lines of a file."""
+    """Whether messages must not show lines of a file, as it is outside of the project."""
     return path in _unquoted
 
 

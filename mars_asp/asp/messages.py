@@ -101,7 +101,10 @@ class Labelled(NamedTuple):
 
 
 def labelling(stage: str, listed: Sequence[tuple[Rule, Label]]) -> list[Fragment]:
-    """Return rules that derive the atoms that `labels` reads, from labels of the rules `listed`."""
+    """Return rules that derive an atom for each place with a label; `labels` reads the atoms.
+
+    `listed` are the labels, each with the rule that has it in its metadata.
+    """
     predicate = f"_label_{stage}"
     return [
         _made_of(

@@ -161,7 +161,7 @@ def _closing(
     arguments: argparse.Namespace,
     width: int,
 ) -> Iterator[str]:
-    """Yield the command that suggests repairs, and the names that were not checked."""
+    """Yield the command that suggests repairs, if errors are shown, and the unannotated modules."""
     if selected.has_errors:
         # A command is not broken.
         yield f"For edits that remove the errors: {command('explain', arguments, '--repair')}"

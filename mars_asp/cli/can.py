@@ -31,7 +31,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def capability_json(answer: CapabilityAnswer) -> dict[str, object]:
-    """Return an answer with the keys of the contract."""
+    """Return an answer as the JSON of `can`."""
     document = TraceDocument()
     demands = [
         {

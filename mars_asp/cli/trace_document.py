@@ -29,7 +29,7 @@ def topics_document(subject: str | None, topics: Sequence[Topic]) -> dict[str, o
 
 
 def why_not_document(answer: WhyNot) -> dict[str, object]:
-    """Return the answer why an atom is absent, as JSON of one topic with more keys."""
+    """Return the JSON of `--why-not`: that of `explain` for one topic, and what is missing."""
     lines = [located_line_json(span) for span in answer.evidence]
     title, trace = answer.subject, trace_json(answer.trace)
     cited = [{**line, "label": ""} for line in lines]

@@ -108,7 +108,10 @@ class Carrying:
         }
 
     def support(self, function: str) -> tuple[Joint, ...]:
-        """Return the joints of the smallest, nearest support of a function; () if there is none."""
+        """Return the joints of the fewest carriers that together give a function, () if none do.
+
+        Of several such sets it is the one whose carriers are nearest to this module.
+        """
         if function == GRASP:
             return ()
         if function not in self._supports:

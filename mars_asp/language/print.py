@@ -99,7 +99,10 @@ def print_number(number: Decimal) -> str:
 
 
 def fill(head: str, parts: Iterable[str]) -> Iterator[str]:
-    """Yield the lines of a list, broken between `parts`; no line begins with `@`."""
+    """Yield the lines of a list that begins with `head`, broken between `parts`.
+
+    No further line begins with `@`, as an annotation would.
+    """
     line = head
     for part in parts:
         if len(line) + 1 + len(part) > WIDTH and line != head and not part.startswith("@"):

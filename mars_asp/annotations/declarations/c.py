@@ -206,7 +206,10 @@ def _opens_arguments(tokens: Sequence[SourceToken], at: int) -> bool:
 def _read_function(
     tokens: Sequence[SourceToken], head: Sequence[SourceToken], at: int, offset: int
 ) -> SourceDeclaration | None:
-    """Return the function whose parameters begin at `at`, or None if this is other code."""
+    """Return the function whose parameters begin at `at`, or None if this is other code.
+
+    `head` are the tokens before, its type and name; `offset` is where these begin.
+    """
     parts = units(head)
     if not parts or parts[-1].kind != "name":
         return None

@@ -22,7 +22,10 @@ _SILENT_TOO = re.compile(r"$|#\s*project\b")
 
 
 def premises_of(text: str) -> Premises | None:
-    """Return the premises of the rules of a text, or None if no build has read it."""
+    """Return the stored premises of the rules of a text, or None if the tables lack it.
+
+    The build makes the tables of the built-in rules.
+    """
     return _known(text, lambda: None)
 
 

@@ -255,7 +255,7 @@ class _Teller:
         return [leaf._replace(place=leaf.place.ljust(width)) for leaf in found]
 
     def _plain(self, step: Trace) -> str | None:
-        """Return the line for a leaf that is not quoted, or None if it is not shown."""
+        """Return the line of a leaf, or None for a fact that no line of a file states."""
         match step:
             case Given(atom, span, origin):
                 result = step.message or atom

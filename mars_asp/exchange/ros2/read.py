@@ -216,7 +216,10 @@ def _above_src(folder: Path) -> Path:
 
 
 def _only_a_part(folder: Path, named: str, absent: Sequence[str]) -> Iterator[Diagnostic]:
-    """Yield a note that files absent from a folder are in the workspace around it."""
+    """Yield a note that files absent from a folder are in the workspace around it.
+
+    `named` is the path that the user gave; there is no note unless it is a folder.
+    """
     around, is_deep = _root_of(folder) if absent and Path(named).is_dir() else (folder, False)
     beside = [each.parent.name for each in around.glob("*/package.xml")] if is_deep else []
     words = {word for each in absent for word in re.findall(r"[\w-]+", each)}

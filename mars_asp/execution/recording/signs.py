@@ -90,7 +90,7 @@ class Signs:
         return found
 
     def _of(self, *those: Body | str) -> str:
-        """Return ` of ROBOT and ROBOT` for names or bodies, "" if there is only one robot."""
+        """Return ` of ROBOT and ROBOT` for names or bodies, "" if the run has only one robot."""
         if len(self.trial.bodies) == 1:
             return ""
         names = [each if isinstance(each, str) else each.name for each in those]

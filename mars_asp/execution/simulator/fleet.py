@@ -141,7 +141,11 @@ class Fleet:
     def _look(
         self, ways: Sequence[MotionSegment], until: float, fastest: float
     ) -> tuple[list[int], dict[tuple[int, int], float]]:
-        """Return the robots that may get near an obstacle, and the gaps of pairs that may."""
+        """Return the robots that may get near an obstacle, and the gaps of pairs that may.
+
+        They may until the instant `until`; gaps are those at the begin of the segments `ways`, and
+        `fastest` is the highest speed of any robot.
+        """
         near, pairs = list[int](), dict[tuple[int, int], float]()
         for k, (body, way) in enumerate(zip(self.bodies, ways, strict=True)):
             spent = until - way.since

@@ -75,7 +75,10 @@ def _similar_names(nodes: Sequence[GraphNode]) -> Iterator[Fact]:
 
 
 def _are_alike(topic: str, other: str) -> bool:
-    """Whether names differ by a namespace, or in one word by its spelling or missing components."""
+    """Whether two different topics differ by a namespace, or in the spelling or parts of one word.
+
+    Parts are between underscores: `cmd_vel` and `cmd_vel_nav`.
+    """
     words, others = topic.split("/")[1:], other.split("/")[1:]
     if len(words) != len(others):
         short, long = sorted((words, others), key=len)

@@ -21,7 +21,10 @@ from mars_asp.reasoning.facts.ends import Ends
 
 @dataclass(frozen=True)
 class Rates:
-    """The numbers of rates in facts, where these differ from the exact millihertz."""
+    """The integers that represent rates in facts: millihertz, rounded where they are no integer.
+
+    Different rates have different numbers.
+    """
 
     _numbers: Mapping[Fraction, int]
     _meant: Mapping[int, Fraction]

@@ -104,7 +104,10 @@ def _lack(reasoner: Reasoner, pattern: clingo.Symbol) -> _Lack:
 
 
 def _of_absent(trace: Absent | Underivable, kept: Set[str]) -> _Lack:
-    """Return the missing line of an absent atom; `kept` are the names in the question."""
+    """Return the missing line of an absent atom, and a wider one with `_` for names not in `kept`.
+
+    `kept` are the names in the question.
+    """
     found = pattern_in(trace.atom)
     if found is not None and found.name in _LINES and len(found.arguments) > 2:
         ends = [found.arguments[place] for place in _LINES[found.name][1]]
