@@ -21,7 +21,7 @@ from mars_asp.reasoning.facts.ends import Ends
 
 @dataclass(frozen=True)
 class Rates:
-    """The integers that represent rates in facts: millihertz, rounded where they are no integer.
+    """The integers that represent rates in facts: rounded millihertz.
 
     Different rates have different numbers.
     """
