@@ -44,7 +44,10 @@ def test_the_rule_base_is_linted_as_itself(capsys: Captured, tmp_path: Path) -> 
         ("examples/level0/config.mars unused_module", "there is no `unused_module`"),
         ("examples/ros2_workspace dead_remap", "no finding of `dead_remap` in the launch files"),
         ("examples/ros2_workspace /lidar", "no finding about `/lidar` in the launch files"),
-        ("examples/ros2_workspace loose_end(/cmd_vel)", "No loose_end(/cmd_vel): `/dock` publishes"),
+        (
+            "examples/ros2_workspace loose_end(/cmd_vel)",
+            "No loose_end(/cmd_vel): `/dock` publishes",
+        ),
         ("examples/level0/config.mars checks/unused", "no consequence and no node rests on"),
     ],
 )
