@@ -77,8 +77,8 @@ def test_the_help_of_a_verb_shows_its_example(name: str, capsys: Captured) -> No
         (["check", "a.mars", "--xyzzy"], "unrecognized arguments: --xyzzy; see `mars-asp check -"),
         (["--fromat", "json", "check"], "unknown option `--fromat`: did you mean `--format`?"),
         (["--vresion"], "did you mean `--version`?"),
-        (["check", "--output-format", "json"], "did you mean `--format json`?"),
-        (["check", "--output-format=json"], "did you mean `--format json`?"),
+        (["check", "--message-format", "json"], "did you mean `--format`?"),
+        (["check", "--output-format=json"], "did you mean `--format`?"),
         (["--json", "check"], "unknown option `--json`: did you mean `--format json`?"),
         (["check", "--sarif"], "did you mean `--format sarif`?"),
         # An option or a value that the command does not have is not proposed.
