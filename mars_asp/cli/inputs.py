@@ -223,6 +223,9 @@ def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None
     # Messages about a file quote its lines.
     remember(path, text)
     format = arguments.from_format or recognised(text)
+    if arguments.from_format not in (None, "mars") and _CONFIGURATION.search(text) is not None:
+        message = f"`{path}` is a `.mars` file, and --from names another format"
+        raise refusal("format", message, path, "leave out --from")
     if format == "mars" and arguments.from_format is None and is_other_file(path, text):
         if not text.strip():
             place, help_text = whole_file(path), "write the file, or name another"

@@ -379,7 +379,7 @@ class Selection:
     ) -> Diagnostic:
         """Return the diagnostic for a name that is not a finding, with the nearest known name."""
         if is_input_error(name):
-            message = f"`{name}` is an error of the input, which cannot be ignored"
+            message = f"`{name}` is an error of the input, which cannot be ignored or selected"
             return Diagnostic(code, severity, message, span, help="it is always reported: fix it")
         names = self._known_names | self._launch_names
         ends = sorted(each for each in names if each.rpartition("/")[2] == name)

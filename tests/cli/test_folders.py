@@ -196,6 +196,8 @@ def test_a_workspace_beside_a_configuration_can_be_named(here: Path, capsys: Cap
     assert run_here(["facts", "w"]) == 2
     assert "`--from ros2` takes `w`" in " ".join(capsys.readouterr().err.split())
     assert run_here(["facts", "w", "--from", "ros2"]) == 0
+    assert run_here(["facts", "w/r.mars", "--from", "dora"]) == 2
+    assert "--from names another format" in " ".join(capsys.readouterr().err.split())
 
 
 LOOSE = "@configuration\n@modules B,A\nA   uses_data_from B\n"

@@ -88,9 +88,15 @@ def test_ignored_kinds_are_all_but_the_others(capsys: Captured) -> None:
         ("mounts/cycel", "no rule finds `mounts/cycel`|did you mean `mounts/cycle`?"),
         ("rivals", "no rule finds `rivals`|did you mean `launch/commands/rivals`?"),
         ("control/splitter", "no rule finds `control/splitter`|"),
-        ("syntax", "`syntax` is an error of the input, which cannot be ignored|it is always"),
-        ("unreadable", "`unreadable` is an error of the input, which cannot be ignored|"),
-        ("MARS111", "`MARS111` is an error of the input, which cannot be ignored|"),
+        (
+            "syntax",
+            "`syntax` is an error of the input, which cannot be ignored or selected|it is always",
+        ),
+        (
+            "unreadable",
+            "`unreadable` is an error of the input, which cannot be ignored or selected|",
+        ),
+        ("MARS111", "`MARS111` is an error of the input, which cannot be ignored or selected|"),
         ("zzz", "no rule finds `zzz`|`mars-asp rules list` names"),
     ],
 )
