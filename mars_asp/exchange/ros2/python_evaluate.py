@@ -196,7 +196,7 @@ class Evaluator(ExpressionEvaluator[Names]):
                 before = names.get(name)
                 if isinstance(before, MappedValue):
                     at = self.value(key, names)
-                    names[name] = before.updated(MappedValue(((at, value),)))
+                    names[name] = before.updated((at, value))
             case _:
                 bind(target, value, names)
 
@@ -361,12 +361,13 @@ class Evaluator(ExpressionEvaluator[Names]):
             bound: tuple[Value, ...] = (owner,) if is_bound else ()
             return self.call_local(Local(found, self.globals), (*bound, *arguments), named)
         if isinstance(owner, MappedValue) and isinstance(func.value, ast.Name):
+            self.steps += len(owner.entries) // ITEMS_A_STEP
             match func.attr, first:
                 case "pop", _:
                     names[func.value.id] = owner.without(first)
                     return picked(owner, first)
                 case "update", MappedValue():
-                    names[func.value.id] = owner.updated(first)
+                    names[func.value.id] = owner.updated(*first.entries)
                     return None
         return known_method(owner, func.attr, arguments, named)
 

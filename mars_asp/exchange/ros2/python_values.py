@@ -75,21 +75,34 @@ class Listed:
     span: Span | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, match_args=False)
 class MappedValue:
-    """A dictionary as pairs; keys may be texts with open parts."""
+    """A dictionary, of which keys may be texts with open parts.
 
-    pairs: "tuple[tuple[Value, Value], ...]"
+    `entries` are in the order in which they were set, those that were replaced among them.
+    """
 
-    def without(self, *keys: "Value") -> "MappedValue":
-        """Return the dictionary without the entries of keys; a key that is not known stays."""
-        gone = {at for each in keys if (at := _key(each)) is not None}
-        return MappedValue(tuple(pair for pair in self.pairs if _key(pair[0]) not in gone))
+    __match_args__ = ("pairs",)
+    entries: "tuple[tuple[Value, Value], ...]"
 
-    def updated(self, other: "MappedValue") -> "MappedValue":
-        """Return the dictionary with the entries of another, which replace those of equal keys."""
-        kept = self.without(*(key for key, _ in other.pairs)).pairs
-        return MappedValue((*kept, *other.pairs)[:MOST_ITEMS])
+    @property
+    def pairs(self) -> "tuple[tuple[Value, Value], ...]":
+        """Return the keys with their last values; a key that is not known replaces none."""
+        last: dict[int | str, tuple[Value, Value]] = {}
+        for number, pair in enumerate(self.entries):
+            at = _key(pair[0])
+            last[number if at is None else at] = pair
+        return tuple(last.values())
+
+    def without(self, key: "Value") -> "MappedValue":
+        """Return the dictionary without the entry of a key; the same if the key is not known."""
+        at = _key(key)
+        return MappedValue(tuple(e for e in self.entries if at is None or _key(e[0]) != at))
+
+    def updated(self, *entries: "tuple[Value, Value]") -> "MappedValue":
+        """Return the dictionary with further entries, which replace those of equal keys."""
+        # To look for the replaced ones here would take the square of many assignments.
+        return MappedValue((*self.entries, *entries)[:MOST_ITEMS])
 
 
 @dataclass(frozen=True, slots=True)
