@@ -266,6 +266,7 @@ def test_a_source_that_is_not_python_is_found_from_another_folder(
             ":1:29: warning: the file is not XML: mismatched tag, expected `</package>`",
         ),
         ("<package><nam>mine</nam></package>", ":1:1: warning: `package` has no `<name>`"),
+        ("<package><name> </name></package>", ":1:10: warning: `package` has an empty `<name>`"),
         ("", ":1:1: warning: the file is not XML: no element found"),
         ("\0", ": the file is not a text"),
         # The name of a template is made by a program.

@@ -91,6 +91,7 @@ _PROJECT = re.compile(r"(?i)\bproject\s*\(\s*([\w-]+)")
 _PROJECT_NAME = re.compile(r"\$\{(?:PROJECT_NAME|CMAKE_PROJECT_NAME)\}")
 _WORD = re.compile(r"\w+")
 _XML_NAME = re.compile(r"<name>\s*([A-Za-z][\w-]*)\s*</name>")
+_NO_NAME = re.compile(r"<name>\s*</name>")
 _BUILD_TYPE = re.compile(r"<build_type[^<>]*>\s*(\w+)")
 _CATKIN = re.compile(r"<buildtool_depend[^<>]*>\s*(catkin)\b")
 _COMMENT = re.compile(r"<!--.*?(?:-->|\Z)", re.DOTALL)
@@ -280,7 +281,7 @@ class Workspace:
         """Return the package of a manifest, None for a template, whose name is an expression."""
         text = _COMMENT.sub("", self.readable(manifest))
         match = _XML_NAME.search(text)
-        if match is None and "</name>" in text:
+        if match is None and "</name>" in text and _NO_NAME.search(text) is None:
             return None
         name = match[1] if match else manifest.parent.name
         built = frozenset(_BUILD_TYPE.findall(text) or _CATKIN.findall(text))
@@ -312,9 +313,11 @@ class Workspace:
         except MarsError as error:
             message, place = error.diagnostics[0].message, error.diagnostics[0].span
         else:
-            if next(root.named("name"), None) is not None:
+            element = next(root.named("name"), None)
+            if element is not None and _NO_NAME.search(self.text(manifest)) is None:
                 return
-            message, place = f"`{root.name}` has no `<name>`", root.span
+            lack = "has no `<name>`" if element is None else "has an empty `<name>`"
+            message, place = f"`{root.name}` {lack}", (element or root).span
         self.unread.append(Unread(MANIFESTS, f"{shown}: {message}", place))
 
     def is_nested(self, path: Path) -> bool:
