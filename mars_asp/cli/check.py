@@ -3,6 +3,7 @@
 import argparse
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
@@ -36,8 +37,8 @@ from mars_asp.cli.inputs import (
     check_inputs,
     judge_project,
     load,
+    packs_of,
     robots,
-    rulebook_for,
     shown_input,
     unapplied_packs,
 )
@@ -53,6 +54,8 @@ from mars_asp.language.parse import MOST_BYTES, decode, plain_lines
 from mars_asp.language.text_edits import ConflictError, edited_bytes
 from mars_asp.output import counted
 from mars_asp.reading import OUTSIDE, decoded, is_hidden
+from mars_asp.reasoning.packs import MANIFEST
+from mars_asp.reasoning.rules import load_rulebook
 
 if TYPE_CHECKING:
     from mars_asp.reasoning.analysis import Analysis
@@ -164,12 +167,22 @@ def check(
         MarsError: rule packs, settings, a baseline or the values of options are wrong.
     """
     check_inputs(*arguments.files)
-    rules = cache(lambda stages: rulebook_for(arguments, stages))
-    selection = Selection(arguments, rules(JUDGING))
+    load_rules = cache(partial(load_rulebook, trusted=arguments.trust))
+    found = robots(arguments, _each_once(arguments.files))
+    # The folder of each robot has its own settings and pack.
+    commands = [argparse.Namespace(**vars(arguments) | {"files": robot.paths}) for robot in found]
+    packs = tuple(packs_of(arguments))
+    rulebooks = {packs: load_rules(packs, JUDGING)}
+    for command in commands:
+        # Errors are reported with the robot.
+        with suppress(MarsError):
+            packs = tuple(packs_of(command))
+            rulebooks[packs] = load_rules(packs, JUDGING)
+    selection = Selection(arguments, *rulebooks.values())
     checked = []
     edited: dict[object, tuple[str, bytes]] = {}
     of_settings: set[Diagnostic] = set()
-    for robot in robots(arguments, _each_once(arguments.files)):
+    for robot, command in zip(found, commands, strict=True):
         name, *further = robot.paths
         is_input = name == STANDARD_INPUT
         one = Checked(arguments.stdin_filename or name if is_input else name, tuple(further))
@@ -177,16 +190,18 @@ def check(
         try:
             if robot.problems:
                 raise MarsError(robot.problems)
-            _check(one, is_input, rules, selection, arguments, edited, seen)
+            rules = partial(load_rules, tuple(packs_of(command)))
+            _check(one, is_input, rules, selection, command, edited, seen)
         except MarsError as error:
             if all(each.span.path.startswith("--") for each in error.diagnostics):
                 raise
-            # Many robots share settings and named sources: report each of their errors once.
+            # Many robots share settings, packs and named sources: report each of their errors once.
             new = (each for each in error.diagnostics if each not in of_settings)
             one.append_results(map(Result, new))
             if _are_of_settings(error, arguments):
                 of_settings.update(error.diagnostics)
-            of_settings.update(e for e in error.diagnostics if e.span.path in arguments.sources)
+            shared = (*arguments.sources, MANIFEST, ".lp")
+            of_settings.update(e for e in error.diagnostics if e.span.path.endswith(shared))
             one.status = 2
         one.append_results(map(Result, robot.notes))
     for one in checked:

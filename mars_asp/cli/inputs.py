@@ -11,7 +11,7 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.diagnostic_text import report
 from mars_asp.cli.lines import remember
 from mars_asp.cli.progress import detail, stage
-from mars_asp.cli.settings import settings_of
+from mars_asp.cli.settings import packs_for, settings_of
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, refusal, whole_file
 from mars_asp.exchange.folders import IsExcluded, nothing_excluded
@@ -454,7 +454,7 @@ def load(
 
 
 def rulebook_for(arguments: argparse.Namespace, stages: Collection[str] = ("resolve",)) -> Rulebook:
-    """Load the built-in rules, and the packs of `--rules` and of the settings.
+    """Load the built-in rules, and the packs of a command.
 
     Raises:
         MarsError: the rule files have errors.
@@ -463,7 +463,7 @@ def rulebook_for(arguments: argparse.Namespace, stages: Collection[str] = ("reso
 
 
 def packs_of(arguments: argparse.Namespace) -> list[Path]:
-    """Return the packs in the settings of the first file, and then those of `--rules`.
+    """Return the packs for the folder of the first file, and then those of `--rules`.
 
     Raises:
         MarsError: the settings have errors.
@@ -473,7 +473,7 @@ def packs_of(arguments: argparse.Namespace) -> list[Path]:
     name = first if isinstance(first, str) else first[0]
     path = Path(shown_input(arguments) if name == STANDARD_INPUT else name)
     folder = path if os.path.isdir(path) else path.parent  # noqa: PTH112 -- never raises
-    return [*settings_of(arguments, folder).packs(), *map(Path, arguments.rules)]
+    return [*packs_for(arguments, folder), *map(Path, arguments.rules)]
 
 
 def analyse_project(

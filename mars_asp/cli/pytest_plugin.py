@@ -102,14 +102,16 @@ _BOOKS = pytest.StashKey[dict[tuple[Path, ...], object]]()
 
 
 def _rulebook(config: pytest.Config, pack: Path | None, folder: Path):  # type: ignore[no-untyped-def]
-    """Return the rules of a pack, or those of the settings for a folder, read once."""
+    """Return the rules of a pack, or those of the settings and packs around a folder, read once."""
     from mars_asp.cli.settings import settings_for
-    from mars_asp.reasoning.packs import with_companions
+    from mars_asp.reasoning.packs import packs_around, with_companions
     from mars_asp.reasoning.rules import STAGES, load_rulebook
 
     books = config.stash.setdefault(_BOOKS, {})
-    given = settings_for(folder).packs() if pack is None else with_companions(pack)
-    packs = tuple(given)
+    if pack is None:
+        packs = (*settings_for(folder).packs(), *packs_around(folder))
+    else:
+        packs = with_companions(pack)
     if packs not in books:
         books[packs] = load_rulebook(packs, STAGES)
     return books[packs]

@@ -119,13 +119,15 @@ def _kinds(text: str) -> list[str]:
 class Selection:
     """The selection of a command for all its files; each entry of a baseline is used once."""
 
-    def __init__(self, arguments: argparse.Namespace, rulebook: Rulebook) -> None:
+    def __init__(self, arguments: argparse.Namespace, *rulebooks: Rulebook) -> None:
         """Check the options, and read the baseline that an option names.
+
+        `rulebooks` are all that judge robots of the command.
 
         Raises:
             MarsError: options name kinds that no rule finds, or a baseline is wrong.
         """
-        self._arguments, self._rulebook = arguments, rulebook
+        self._arguments, self._rulebooks = arguments, rulebooks
         self._baselines: dict[str, Baseline] = {}
         self._read: set[str] = set()
         self._written: list[Consequence | Diagnostic] = []
@@ -346,7 +348,7 @@ class Selection:
 
     @cached_property
     def _known_names(self) -> frozenset[str]:
-        return _names_in(self._rulebook) | ignorable_codes()
+        return ignorable_codes().union(*map(_names_in, self._rulebooks))
 
     @cached_property
     def _launch_names(self) -> frozenset[str]:
@@ -355,7 +357,7 @@ class Selection:
     @cached_property
     def _is_open(self) -> bool:
         """Whether a rule computes the kinds of its findings, so that any name may be a kind."""
-        return any(kinds_of(rule) is None for rule in self._rulebook.rules)
+        return any(kinds_of(rule) is None for book in self._rulebooks for rule in book.rules)
 
     def _check(self, kinds: Sequence[str] | None, place: Callable[[int], Span]) -> None:
         """Check that names are kinds or rules; `place` locates one by its index.

@@ -118,6 +118,18 @@ def settings_of(arguments: argparse.Namespace, folder: Path) -> Settings:
     return _read_settings(os.path.relpath(file), _settings_text(file), table)
 
 
+def packs_for(arguments: argparse.Namespace, folder: Path) -> list[Path]:
+    """Return the packs for robots in a folder: those of the settings, and the pack around it.
+
+    Raises:
+        MarsError: the settings have errors, or name a path outside.
+    """
+    from mars_asp.reasoning.packs import packs_around
+
+    around = () if arguments.isolated else packs_around(folder)
+    return [*settings_of(arguments, folder).packs(), *around]
+
+
 def check_settings(arguments: argparse.Namespace) -> None:
     """Check the file of `--config` in commands that need no settings.
 

@@ -15,7 +15,7 @@ from mars_asp.cli.deliver import replace_files, write_file
 from mars_asp.cli.diagnostic_text import report
 from mars_asp.cli.inputs import STANDARD_INPUT
 from mars_asp.cli.progress import detail
-from mars_asp.cli.settings import check_settings, settings_of
+from mars_asp.cli.settings import check_settings, packs_for
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, refusal
 from mars_asp.language.parse import MOST_BYTES, decode, unreadable
@@ -96,7 +96,7 @@ def run_once(arguments: argparse.Namespace) -> int:
     found = cases_of(map(Path, there), rules)
     robots = [each for each in found if each.pack is None and each.path.suffix == SUFFIX]
     if robots and not rules:
-        rules = list(settings_of(arguments, robots[0].path.parent).packs())
+        rules = packs_for(arguments, robots[0].path.parent)
     if arguments.snapshot:
         return _snapshot(found, rules, arguments)
     if not found:

@@ -15,6 +15,7 @@ after stages; without one, its `.lp` files find consequences.
     outputs = "one"
 """
 
+import os
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from importlib.util import find_spec
@@ -149,7 +150,17 @@ def pack_of(file: Path, folders: Collection[str] = ("", *FOLDERS)) -> Path | Non
 
 def is_pack(folder: Path) -> bool:
     """Whether a folder has a manifest."""
-    return (folder / MANIFEST).is_file()
+    return os.path.isfile(folder / MANIFEST)  # noqa: PTH113 -- false where a folder may not be entered
+
+
+def packs_around(folder: Path) -> tuple[Path, ...]:
+    """Return the nearest pack from a folder upwards, last, after the packs that it needs.
+
+    Paths are relative to the current folder; there are none if the folder is in no pack.
+    """
+    here = folder.resolve()
+    pack = next((each for each in (here, *here.parents) if is_pack(each)), None)
+    return () if pack is None else with_companions(Path(os.path.relpath(pack)))
 
 
 def with_companions(pack: Path) -> tuple[Path, ...]:
@@ -163,7 +174,9 @@ def with_companions(pack: Path) -> tuple[Path, ...]:
         found[each] = None
         for read in find_packs([each], []):
             needs = () if read.manifest is None else read.manifest.needs
-            beside = (each.parent / need.name for need in needs)
+            # The parent of `.` or `..` is not in its path.
+            folder = each / ".." if each.name in ("", "..") else each.parent
+            beside = (folder / need.name for need in needs)
             waiting += (other for other in beside if is_pack(other))
     return tuple(reversed(found))
 

@@ -373,3 +373,33 @@ def test_a_broken_part_of_a_workspace_is_a_warning(here: Path, capsys: Captured)
     findings = json.loads(capsys.readouterr().out)["findings"]
     found = [(Path(f["path"]).name, f["kind"], f["severity"]) for f in findings]
     assert found == [(name, "broken_file", "warning") for name in broken]
+
+
+#: A pack that declares a tag, and a robot that states it.
+PACK = {
+    "p/pack.toml": 'name = "p"\nversion = "1.0"\nneeds = ["q >= 1.0"]\n',
+    "p/consequences/p.lp": "%*! slow(M: module)\nsays: `{M}` is slow\nfrom: tag\n*%\n"
+    "#defined slow/1.\n",
+    "q/pack.toml": 'name = "q"\nversion = "1.0"\n',
+    "p/robots/r.mars": MARS + "@module_start\n@module_name A\n@Tag slow\n@module_end\n",
+}
+PLACES = {".": (".", "p", "p/robots/r.mars"), "p": (".", "robots"), "p/robots": (".", "r.mars")}
+
+
+@pytest.mark.parametrize(("folder", "path"), [(a, b) for a, each in PLACES.items() for b in each])
+def test_robots_in_a_pack_are_judged_with_it(
+    folder: str, path: str, here: Path, monkeypatch: Patch, capsys: Captured
+) -> None:
+    write(here, {**PACK, "a.mars": MARS})
+    monkeypatch.chdir(here / folder)
+    assert run_here(["check", path]) == 0
+    assert run_here(["check", path, "--isolated"]) == 2
+    assert "no rule pack declares the tag `slow`" in capsys.readouterr().out
+
+
+def test_an_error_in_a_pack_is_reported_once(here: Path, capsys: Captured) -> None:
+    write(here, {**PACK, "p/pack.toml": 'name = "P"\n', "p/s.mars": MARS, "a.mars": WRONG})
+    assert run_here(["check", "."]) == 2
+    output = capsys.readouterr().out
+    assert output.count("p/pack.toml:1:1: error: `name`") == 1
+    assert "a.mars:3:1: error:" in output
