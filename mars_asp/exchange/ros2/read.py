@@ -77,6 +77,8 @@ from mars_asp.spelling import nearest
 _TYPE = re.compile(r"<node\b[^>]*\btype\s*=")
 #: The start of a script, which may be named like a launch file of another format.
 _SCRIPT = re.compile(r"#!.*python")
+#: The part of the name of a launch file that many of them share.
+_ENDING = re.compile(r"([._-]?launch)?\..*")
 _IN_FOLDER = frozenset({".py", ".xml", ".yaml", ".yml", ".launch"})
 #: A folder that does not exist.
 _NOWHERE = Path("/dev/null/nowhere")
@@ -94,6 +96,8 @@ _OF_MIDDLEWARE = frozenset({"use_sim_time", "start_type_description_service"})
 #: Packages of which each program publishes what it hears.
 _RELAYS = frozenset({"topic_tools"})
 _MOST_NAMED = 20
+#: A message lists at most so many launch files that may be meant.
+_MOST_LISTED = 5
 _CONTROLLER_MANAGERS = "controller managers"
 #: Sorts of unread things that can neither be a node nor give one another topic.
 
@@ -521,7 +525,6 @@ class _WorkspaceRobot:
         """
         found: dict[Path, None] = {}
         problems: list[Diagnostic] = []
-        shown = {self.workspace.shown(file): file for file in files}
         for name in self.chosen:
             parts = Path(name).parts
             exact = [file for file in files if file == Path(name).resolve()]
@@ -533,10 +536,20 @@ class _WorkspaceRobot:
                 listed = ", ".join(f"`{self.workspace.shown(file)}`" for file in same)
                 message, help_text = f"`{name}` may be any of {len(same)} launch files", listed
             else:
-                names = [*shown, *(file.name for file in files)]
-                near = nearest(name, names)
+                names = dict.fromkeys(file.name for file in files)
+                # The endings make all launch files alike.
+                stem = nearest(
+                    _ENDING.sub("", Path(name).name), (_ENDING.sub("", n) for n in names)
+                )
+                near = nearest(
+                    Path(name).name, (n for n in names if _ENDING.sub("", n) == stem), 0.0
+                )
                 message = f"`{name}` is not a launch file of `{self.workspace.named}`"
-                help_text = f"did you mean `{near}`?" if near else "`check -v` lists them"
+                listed = ", ".join(f"`{each}`" for each in (*names,)[:_MOST_LISTED])
+                more = len(names) - _MOST_LISTED
+                help_text = f"it has {listed}{f' and {more} more' if more > 0 else ''}"
+                if near or not names:
+                    help_text = f"did you mean `{near}`?" if near else "it has none"
             place = whole_file("--launch")
             problems.append(
                 Diagnostic("launch", "error", message, place, help=help_text, excerpt="")
