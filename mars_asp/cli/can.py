@@ -8,7 +8,7 @@ from mars_asp.asp.trace.document import TraceDocument
 from mars_asp.cli.account import account_json, explanation_lines
 from mars_asp.cli.diagnostic_text import colours, paint
 from mars_asp.cli.encode import print_result
-from mars_asp.cli.inputs import add_file, read_project, rulebook_for
+from mars_asp.cli.inputs import add_file, read_project, report_reading, rulebook_for
 from mars_asp.cli.wrapping import columns, wrapped
 from mars_asp.model.names import written
 from mars_asp.output import visible
@@ -23,8 +23,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the answer; return 1 if it is no."""
-    project = read_project(arguments)
+    project = read_project(arguments, quietly=True)
     answer = capability(project, rulebook_for(arguments, ("can", "account")), arguments.query)
+    report_reading(project, arguments)
     lines = capability_lines(answer, colours(arguments, sys.stdout))
     print_result(arguments, lambda: capability_json(answer), lines)
     return int(not answer.able)

@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING
 from mars_asp.cli.arguments import add_flags, add_output, misuse
 from mars_asp.cli.deliver import write_result
 from mars_asp.cli.diagnostic_text import report
-from mars_asp.cli.inputs import JUDGING, add_file, judge_project, read_project, rulebook_for
+from mars_asp.cli.inputs import (
+    JUDGING,
+    add_file,
+    judge_project,
+    read_project,
+    report_reading,
+    rulebook_for,
+)
 from mars_asp.cli.selection import Selection, add_selection
 from mars_asp.cli.wrapping import columns, wrapped
 from mars_asp.diagnostic import Diagnostic, refusal, whole_file
@@ -73,9 +80,10 @@ def run(arguments: argparse.Namespace) -> int:
         return misuse("draw", "--depth needs --about NAME")
     if arguments.layout == "dot" and kind not in _PAINTED:
         return misuse("draw", f"--layout has no effect on .{kind}: leave it out")
-    project = read_project(arguments)
+    project = read_project(arguments, quietly=True)
     configuration = project.configuration
     picture = _part(project, kind in _PAINTED, arguments)
+    report_reading(project, arguments)
     if picture.remark:
         help_text = "--about NAME draws what is near a module, --only some kinds, --whole all of it"
         span = whole_file(configuration.path)

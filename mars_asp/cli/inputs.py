@@ -12,6 +12,7 @@ from mars_asp.cli.diagnostic_text import report
 from mars_asp.cli.lines import remember
 from mars_asp.cli.progress import detail, stage
 from mars_asp.cli.settings import packs_for, settings_of
+from mars_asp.cli.suggested_commands import command
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, refusal, whole_file
 from mars_asp.exchange.folders import IsExcluded, nothing_excluded
@@ -144,6 +145,21 @@ def read_project(
     if not quietly:
         report((*project.diagnostics, *one_of_several(project)), arguments)
     return project
+
+
+def report_reading(project: Project, arguments: argparse.Namespace) -> None:
+    """Report the messages on reading a project beside an answer: of notes only their number.
+
+    JSON has each of them.
+    """
+    found: Sequence[Diagnostic] = project.diagnostics
+    notes = [each for each in found if each.severity == "note"]
+    if notes and arguments.format != "json":
+        path = project.configuration.path
+        message = f"{counted(len(notes), 'note')} on reading: see `{command('check', arguments)}`"
+        found = [each for each in found if each.severity != "note"]
+        found.append(Diagnostic("reading", "note", message, whole_file(path)))
+    report((*found, *one_of_several(project)), arguments)
 
 
 def one_of_several(project: Project) -> Iterator[Diagnostic]:

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.cli import run_here
+from tests.support.documents import ROOT
 from tests.support.fixtures import Captured, Patch
 
 SENDER = """\
@@ -393,3 +394,18 @@ def test_a_program_that_no_launch_file_starts_may_be_the_other_end(
     run_here(["analyse", str(tmp_path), "--format", "json"])
     found = json.loads(capsys.readouterr().out)["consequences"]
     assert [each["kind"] for each in found] == kinds
+
+
+def test_an_answer_has_one_line_on_the_notes_of_reading(capsys: Captured) -> None:
+    path = str(ROOT / "examples" / "ros2_workspace")
+    assert run_here(["draw", path]) == 0
+    lines = capsys.readouterr().err.split()
+    assert " ".join(lines).startswith(f"mars-asp: note: {path}: 2 notes on reading: see `mars-asp")
+    assert lines.count("note:") == 1
+    assert run_here(["draw", path, "--format", "json"]) == 0
+    assert [json.loads(line)["code"] for line in capsys.readouterr().err.splitlines()] == [
+        "launch",
+        "catalogue",
+    ]
+    assert run_here(["can", path, "Trans_X"]) == 2
+    assert capsys.readouterr().err.startswith("<query>:1:1: error: found `Trans_X`, expected")
