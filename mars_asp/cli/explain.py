@@ -57,6 +57,7 @@ from mars_asp.reasoning.questions.subject import NothingToExplainError
 from mars_asp.reasoning.questions.unrealised import unrealised
 from mars_asp.reasoning.rules import NODES, by_name
 from mars_asp.reasoning.session import Reasoner
+from mars_asp.spelling import nearest
 
 if TYPE_CHECKING:
     from mars_asp.asp.trace.tree import Trace
@@ -281,7 +282,9 @@ def _explained_findings(
     answer = explained_of(subject)
     if answer is None and subject is not None:
         # A program has no slash before its name, and a node or topic has.
-        answer = explained_of(subject.removeprefix("/")) or explained_of(f"/{subject}")
+        kind, bracket, name = subject.rpartition("(")
+        spellings = (f"{kind}{bracket}{slash}{name.removeprefix('/')}" for slash in ("", "/"))
+        answer = next(filter(None, map(explained_of, spellings)), None)
     messages = (*selection.messages(project)[0], *unapplied_packs(project, rulebook))
     if answer is None:
         closing = _no_finding(project, analysis, rules, subject, of, arguments)
@@ -329,7 +332,14 @@ def _no_finding(
     if subject.startswith("/") and "./" not in subject:
         raise unknown_name(project, analysis, subject)
     why = _why_no_finding(project, analysis, rules, subject, arguments)
-    return None if why is None else why.answer
+    if why is not None:
+        return why.answer
+    # Names of ROS may be written without their first slash.
+    near = nearest(f"/{subject}", (name for name in names if name.startswith("/")))
+    is_node = project.configuration.node_kind(subject) is not None
+    if near and not is_node and nearest(subject, consequence_kinds(rules)) is None:
+        raise unknown_name(project, analysis, subject)
+    return None
 
 
 def _wants_traces(arguments: argparse.Namespace) -> bool:

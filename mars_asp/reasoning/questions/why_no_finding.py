@@ -51,9 +51,14 @@ def why_no_finding(
     kind, quoted, bare = match.groups()
     name = bare if quoted is None else quoted
     name = None if name in ("", "_") else name
+    known = names_in(analysis) | {each.text for each in project.configuration.modules}
     title = kind if name is None else f"{kind}({name})"
     evidence = Evidence(rules, analysis.facts, analysis)
     found = next((each for each in analysis.consequences if is_about(each, title)), None)
+    if found is None and f"/{name}" in known:
+        # Names of ROS may be written without their first slash.
+        title, name = f"{kind}(/{name})", f"/{name}"
+        found = next((each for each in analysis.consequences if is_about(each, title)), None)
     if found is not None:
         return WhyNot(
             subject=title,
@@ -65,8 +70,7 @@ def why_no_finding(
             find_trace=lambda: evidence.explainer.why([found.atom])[found.atom],
             see=title if name is None else f"{kind}({found.subject})",
         )
-    modules = {name.text for name in project.configuration.modules}
-    if name is not None and name not in modules and name not in names_in(analysis):
+    if name is not None and name not in known:
         raise unknown_name(project, analysis, name)
     about = hole() if name is None else clingo.String(name)
     pattern = clingo.Function("consequence", [clingo.Function(kind), hole(), about, hole()])
@@ -108,7 +112,8 @@ def _reason(
 def unknown_name(project: Project, analysis: Analysis, name: str) -> MarsError:
     """Return the error that neither launch files nor modules have a name, with a similar one."""
     names = names_in(analysis) | {each.text for each in project.configuration.modules}
-    near = f"/{name}" if f"/{name}" in names else nearest(name, names)
+    near = nearest(name, names)
+    near = f"/{near}" if f"/{near}" in names else near
     help_text = f"did you mean `{near}`?" if near else "name a node or a topic"
     where = "the launch files have" if project.trees else "there is"
     return wrong_subject(project, f"{where} no name `{name}`", help_text)
