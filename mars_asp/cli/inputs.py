@@ -44,6 +44,10 @@ _PARTS = frozenset(
     ".c .cc .cpp .cxx .h .hpp .py .rs .java .go .m .xml .urdf .launch .yaml .yml .json .toml .md "
     ".cmake".split()
 )
+#: A relationship, or `@` at the start of the first line that is not a comment.
+_STATEMENT = re.compile(
+    r"\b(?:uses_data_from|is_controlled_by|is_mounted_on)\b|\A(?:\s*+(?:(?://|#).*+)?+)*+@"
+)
 _CONFIGURATION = re.compile(r"(?m)^\s*@(?:configuration|specification|modules)\b")
 #: The files and folders that are robots.
 ROBOTS = (
@@ -212,7 +216,16 @@ def _parse(
         message = f"`{ours[0].path}` is a robot of its own, and so is each `.mars` file"
         help_text = "give it alone, or several to `mars-asp check`; foreign files are one robot"
         raise refusal("usage", message, ours[0].path, help_text)
-    return parse_text(first.text, path), first.text, None
+    try:
+        return parse_text(first.text, path), first.text, None
+    except MarsError as error:
+        # Each line of another text is an error.
+        is_other = len(error.diagnostics) > 1 and _STATEMENT.search(first.text) is None
+        if Path(path).suffix == ".mars" or not is_other:
+            raise
+    message = f"`{path}` is not a robot: no line is a statement of a `.mars` file"
+    help_text = f"{ROBOTS}; a source is read with the workspace that it lies in"
+    raise refusal("unreadable", message, path, help_text)
 
 
 def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None) -> ForeignFile:

@@ -707,3 +707,19 @@ def test_a_finding_that_another_repair_fixes_is_not_left_out(
     assert "left out" not in output and "; 1 fixed" in output
     run_here(["check", str(robot)])
     assert "exactly one repair" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "first", "number"),
+    [
+        ("import os\n\nprint(os)\n@a\n", "mars-asp: error: `<stdin>` is not a robot: no line", 1),
+        ("# Robot\n@configuratoin\n@modules A B\n", "<stdin>:2:1: error: found `@configurat", 2),
+        ("A B\nC D\nA uses_data_from B\n", "<stdin>:1:3: error: found `B`, expected", 2),
+        ("Camera\n", "<stdin>:1:7: error: found the end of the line", 1),
+        ("", "<stdin>:1:1: error: the file has no `@configuration`", 1),
+    ],
+)
+def test_another_text_at_standard_input_is_one_error(text: str, first: str, number: int) -> None:
+    done = mars("check", "-", text=text)
+    assert done.returncode == 2
+    assert done.stdout.startswith(first) and done.stdout.count(" error: ") == number
