@@ -9,7 +9,7 @@ from functools import cache, partial
 from itertools import chain, takewhile
 from pathlib import Path
 
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, whole_file
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, refusal, whole_file
 from mars_asp.exchange.folders import (
     IGNORE_MARKERS,
     LAUNCH_ENDINGS,
@@ -77,7 +77,7 @@ from mars_asp.spelling import nearest
 _TYPE = re.compile(r"<node\b[^>]*\btype\s*=")
 #: The start of a script, which may be named like a launch file of another format.
 _SCRIPT = re.compile(r"#!.*python")
-#: The part of the name of a launch file that many of them share.
+#: The end of the name of a launch file, which makes all of them alike.
 _ENDING = re.compile(r"([._-]?launch)?\..*")
 _IN_FOLDER = frozenset({".py", ".xml", ".yaml", ".yml", ".launch"})
 #: A folder that does not exist.
@@ -96,8 +96,6 @@ _OF_MIDDLEWARE = frozenset({"use_sim_time", "start_type_description_service"})
 #: Packages of which each program publishes what it hears.
 _RELAYS = frozenset({"topic_tools"})
 _MOST_NAMED = 20
-#: A message lists at most so many launch files that may be meant.
-_MOST_LISTED = 5
 _CONTROLLER_MANAGERS = "controller managers"
 #: Sorts of unread things that can neither be a node nor give one another topic.
 
@@ -536,24 +534,14 @@ class _WorkspaceRobot:
                 listed = ", ".join(f"`{self.workspace.shown(file)}`" for file in same)
                 message, help_text = f"`{name}` may be any of {len(same)} launch files", listed
             else:
-                names = dict.fromkeys(file.name for file in files)
-                # The endings make all launch files alike.
-                stem = nearest(
-                    _ENDING.sub("", Path(name).name), (_ENDING.sub("", n) for n in names)
-                )
-                near = nearest(
-                    Path(name).name, (n for n in names if _ENDING.sub("", n) == stem), 0.0
-                )
+                stems = {_ENDING.sub("", file.name): file.name for file in files}
+                near = nearest(_ENDING.sub("", Path(name).name), stems)
+                known = [f"`{each}`" for each in stems.values()]
+                known[_MOST_NAMED:] = ["..."] * (len(known) > _MOST_NAMED)
                 message = f"`{name}` is not a launch file of `{self.workspace.named}`"
-                listed = ", ".join(f"`{each}`" for each in (*names,)[:_MOST_LISTED])
-                more = len(names) - _MOST_LISTED
-                help_text = f"it has {listed}{f' and {more} more' if more > 0 else ''}"
-                if near or not names:
-                    help_text = f"did you mean `{near}`?" if near else "it has none"
-            place = whole_file("--launch")
-            problems.append(
-                Diagnostic("launch", "error", message, place, help=help_text, excerpt="")
-            )
+                help_text = f"it has {', '.join(known) or 'none'}"
+                help_text = f"did you mean `{stems[near]}`?" if near else help_text
+            problems += refusal("launch", message, "--launch", help_text).diagnostics
         if problems:
             raise MarsError(problems)
         return list(found)
