@@ -11,6 +11,9 @@ Severity: TypeAlias = Literal["error", "warning", "note"]
 
 #: The code of notes that list what was not read of a file.
 NOT_READ = "not-read"
+NOT_EXPORTED = "not-exported"
+#: The codes of notes on skipped parts of a file.
+SKIPPED = (NOT_READ, NOT_EXPORTED)
 #: Longer than any name or path that a person reads, and how much of both ends tells it apart.
 _LONG = re.compile(r"\S{301,}")
 _KEPT = 100

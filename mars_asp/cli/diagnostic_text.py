@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.lines import line_json, line_text, whole_line
 from mars_asp.cli.wrapping import cells, columns, wrapped
-from mars_asp.diagnostic import NOT_READ, Diagnostic, MarsError, Span, brief, whole_file
+from mars_asp.diagnostic import SKIPPED, Diagnostic, MarsError, Span, brief, whole_file
 from mars_asp.output import counted, visible
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ _CODES = {"error": "31", "warning": "33", "note": "36", "dim": "2", "strong": "1
 _FURTHER, _INSIDE = "  ", "    "
 #: The text shows at most so many further locations; JSON has all.
 _MOST_PLACES = 10
-#: Notes on unread parts of a file show fewer locations.
+#: Notes on skipped parts of a file show fewer locations.
 _MOST_UNREAD = 2
 #: A longer line is quoted only near the location, from so many characters before it.
 _LONGEST, _BEFORE = 400, 40
@@ -92,8 +92,8 @@ def report(
     for whole in diagnostics:
         diagnostic = brief(whole)
         for_programs = arguments.format in ("json", "jsonl")
-        # Programs must learn of unread parts of a file even with `--quiet`.
-        result = for_programs and diagnostic.code == NOT_READ
+        # Programs must learn of skipped parts of a file even with `--quiet`.
+        result = for_programs and diagnostic.code in SKIPPED
         if arguments.quiet and diagnostic.severity == "note" and not result:
             continue
         if for_programs:
@@ -239,7 +239,7 @@ class _QuotedLine(NamedTuple):
 
 def _quotation(diagnostic: Diagnostic, coloured: bool, width: int) -> Iterator[str]:
     """Yield the quoted lines of a diagnostic, each with marks under its location."""
-    most = _MOST_UNREAD if diagnostic.code == NOT_READ else _MOST_PLACES
+    most = _MOST_UNREAD if diagnostic.code in SKIPPED else _MOST_PLACES
     places = [(diagnostic.span, ""), *diagnostic.labels[:most]]
     shown = [_quote_line(diagnostic.span, diagnostic.excerpt)]
     shown += [_quote_line(span) for span, _ in places[1:]]

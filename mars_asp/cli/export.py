@@ -4,6 +4,7 @@ import argparse
 
 from mars_asp.cli.arguments import add_output
 from mars_asp.cli.deliver import write_result
+from mars_asp.cli.diagnostic_text import report
 from mars_asp.cli.inputs import add_file, read_project
 
 
@@ -17,7 +18,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Print the mount tree in the requested format."""
     project = read_project(arguments)
-    from mars_asp.exchange.urdf import export_urdf
+    from mars_asp.exchange.urdf import export_urdf, left_out
 
-    write_result(arguments.output, export_urdf(project.configuration, project.modules))
+    exported = export_urdf(project.configuration, project.modules)
+    report(left_out(project.configuration, project.modules), arguments)
+    write_result(arguments.output, exported)
     return 0

@@ -1,4 +1,4 @@
-"""Contents of a file that were not read: grouped and counted, with their locations."""
+"""Contents of a file that were not read or exported: grouped and counted, with their locations."""
 
 from collections.abc import Iterable, Iterator
 from itertools import groupby
@@ -36,17 +36,17 @@ class Unread(NamedTuple):
     span: Span
 
 
-def notes(unread: Iterable[Unread]) -> Iterator[Diagnostic]:
+def notes(unread: Iterable[Unread], code: str = NOT_READ) -> Iterator[Diagnostic]:
     """Yield one note for each sort of skipped contents, with their number and locations."""
     for sort, group in groupby(sorted(unread, key=attrgetter("sort", "span")), attrgetter("sort")):
         first, *others = group
         names = list(dict.fromkeys(f"`{each.name}`" for each in (first, *others)))
         named = ", ".join((*names[:_MOST_NAMED], *["..."] * (len(names) > _MOST_NAMED)))
         yield Diagnostic(
-            NOT_READ,
+            code,
             "note",
-            f"{sort} not read: {1 + len(others)} ({named})",
+            f"{sort} {code.replace('-', ' ')}: {1 + len(others)} ({named})",
             first.span,
             tuple((other.span, f"`{other.name}`") for other in others[:_MOST_PLACES]),
-            kind=_KINDS.get(sort, "not_read"),
+            kind=_KINDS.get(sort, code.replace("-", "_")),
         )

@@ -15,7 +15,7 @@ from pytransform3d.urdf import UrdfTransformManager
 from mars_asp.cli import run_here
 from mars_asp.diagnostic import MarsError, point
 from mars_asp.exchange.recognise import recognised
-from mars_asp.exchange.urdf import MOST_BYTES, export_urdf, import_urdf
+from mars_asp.exchange.urdf import MOST_BYTES, export_urdf, import_urdf, left_out
 from mars_asp.exchange.urdf.angles import rotation_of, turns_of
 from mars_asp.kinematics.frames import Joint, Matrix, build_robot, take_posture
 from mars_asp.language import parse_text, print_configuration
@@ -495,11 +495,32 @@ def test_zeros_have_no_sign() -> None:
     assert not re.search(r"-0(\.0)?[ ,)\n]", print_configuration(imported(negative)))
 
 
+def test_an_export_lists_the_lines_that_it_leaves_out(update_golden: bool) -> None:
+    file, expected = FOLDER / "left_out.mars", FOLDER / "left_out.txt"
+    configuration = parse_text(file.read_text(), file.name).configuration
+    notes = (*left_out(configuration, {}),)
+    text = "".join(f"{d.span}: {d.message} [{d.kind}]\n" for d in notes)
+    if update_golden:
+        expected.write_text(text)
+    assert text == expected.read_text()
+
+
 # ---- the verbs ----
 
 
+def test_an_export_prints_its_notes_unless_it_is_quiet(capsys: Captured) -> None:
+    words = ["export", "urdf", str(ROOT / "examples" / "gripper-arm" / "config.mars")]
+    assert run_here(words) == 0
+    output = capsys.readouterr()
+    assert output.out.startswith("<robot")
+    shown = " ".join(output.err.split())
+    assert "config.mars:10:1: note: annotations `@Grasp` not exported: 1 (`Gripper`)" in shown
+    assert run_here([*words, "--quiet"]) == 0
+    assert capsys.readouterr() == (output.out, "")
+
+
 def test_the_verbs_export_and_import_an_example(tmp_path: Path) -> None:
-    exported = run("mars-asp export urdf examples/gripper-arm/config.mars")
+    exported = run("mars-asp export urdf examples/gripper-arm/config.mars --quiet")
     found = poses(imported(exported))
     assert found["Gripper"].tolist() == [[0, 0, 1, 350], [0, 1, 0, 250], [-1, 0, 0, 150]]
     target = tmp_path / "arm.mars"

@@ -6,9 +6,9 @@ as wide as that is read as open.
 """
 
 from mars_asp.exchange.urdf.read import import_urdf, import_urdfs
-from mars_asp.exchange.urdf.write import export_urdf
+from mars_asp.exchange.urdf.write import export_urdf, left_out
 
 #: Far above any robot, as meshes have their own files.
 MOST_BYTES = 16 * 1024 * 1024
 
-__all__ = ["MOST_BYTES", "export_urdf", "import_urdf", "import_urdfs"]
+__all__ = ["MOST_BYTES", "export_urdf", "import_urdf", "import_urdfs", "left_out"]

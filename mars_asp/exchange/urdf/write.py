@@ -5,11 +5,23 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from xml.etree import ElementTree
 
-from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.diagnostic import NOT_EXPORTED, Diagnostic, MarsError
+from mars_asp.exchange.unread import Unread, notes
 from mars_asp.exchange.urdf.angles import OPEN, roll_pitch_yaw
 from mars_asp.kinematics.frames import KinematicTree, Matrix, build_robot
-from mars_asp.model.declarations import MOTION_FUNCTIONS, Configuration, Function, Module, Mount
+from mars_asp.model.declarations import (
+    GRASP,
+    MOTION_FUNCTIONS,
+    Configuration,
+    Control,
+    Data,
+    Function,
+    Module,
+    Mount,
+)
 
+#: A sort of lines and annotations that URDF cannot hold.
+_ATTRIBUTES = "tags and properties"
 _AXES = {"X": "1 0 0", "Y": "0 1 0", "Z": "0 0 1"}
 
 
@@ -17,8 +29,8 @@ def export_urdf(configuration: Configuration, modules: Mapping[str, Module]) -> 
     """Return the mount tree of a configuration as a URDF document.
 
     A module's motion functions become joints in their order, the last of which carries its link;
-    further links, named after the module, are between them, and below those of the root. `Grasp`
-    moves no mounted module, and is left out.
+    further links, named after the module, are between them, and below those of the root.
+    `left_out` has what URDF cannot hold.
 
     Raises:
         MarsError: nothing is mounted, or the mounts are not one tree, which URDF requires.
@@ -53,6 +65,52 @@ def export_urdf(configuration: Configuration, modules: Mapping[str, Module]) -> 
                 _add_motion(joint, function)
     ElementTree.indent(robot)
     return ElementTree.tostring(robot, encoding="unicode") + "\n"
+
+
+def left_out(configuration: Configuration, modules: Mapping[str, Module]) -> Iterator[Diagnostic]:
+    """Yield a note for each sort of lines and annotations that URDF cannot hold.
+
+    Modules without a mount are one sort, and their annotations are not listed.
+    """
+    return notes(_left_out(configuration, modules), NOT_EXPORTED)
+
+
+def _left_out(configuration: Configuration, modules: Mapping[str, Module]) -> Iterator[Unread]:
+    links, vertices = set[str](), set[tuple[str, int | None]]()
+    for line in configuration.relationships:
+        match line:
+            case Mount(mounting, mounted):
+                links |= {mounting, mounted}
+                vertices |= {(mounting, line.mounting_vertex), (mounted, line.mounted_vertex)}
+            case Control(controlled):
+                yield Unread("lines with `is_controlled_by`", controlled, line.span)
+            case Data(client):
+                yield Unread("lines with `uses_data_from`", client, line.span)
+    for name in configuration.modules:
+        if name.text not in links:
+            yield Unread("modules without a mount", name.text, name.span)
+    for own in configuration.attributed:
+        if own.module in links:
+            yield Unread(_ATTRIBUTES, own.module, own.attribute.span)
+    for module in configuration.with_declared(modules).values():
+        if module.name in links:
+            yield from _annotations_left_out(module)
+            for vertex in module.vertices:
+                if (module.name, vertex.number) not in vertices:
+                    called = f"{module.name} {vertex.number}"
+                    yield Unread("vertices without a mount", called, vertex.span)
+
+
+def _annotations_left_out(module: Module) -> Iterator[Unread]:
+    for function in module.functions:
+        if function.name == GRASP:
+            yield Unread("annotations `@Grasp`", module.name, function.span)
+    for service in module.services:
+        yield Unread("annotations of data and commands", module.name, service.span)
+    for attribute in module.attributes:
+        yield Unread(_ATTRIBUTES, module.name, attribute.span)
+    if module.guard is not None:
+        yield Unread("annotations `@Guard`", module.name, module.guard)
 
 
 def _obstacles(
