@@ -79,6 +79,7 @@ GOOD = "@configuration\n@modules A, B\nA uses_data_from B\n"
         (["explain", LEVEL0, "--all", "--repair"], None, 2, "not allowed with"),
         (["explain", LEVEL0, "--all", "--why-not", "a"], None, 2, "not allowed with"),
         (["rules", "show", "data/divergenc"], None, 2, "did you mean `data/divergence`"),
+        (["draw", LEVEL0, "--format", "json"], None, 2, "leave out `--format json`, or type"),
         (["draw", LEVEL0, "-o", "picture.bmp"], None, 2, "`picture.bmp`"),
         (["draw", LEVEL0, "-o", "picture"], None, 2, ".svg, .png, .dot, .mmd"),
         (["draw", LEVEL0, "-o", "missing/folder/x.svg"], None, 2, "missing/folder"),

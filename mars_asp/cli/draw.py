@@ -80,7 +80,10 @@ def run(arguments: argparse.Namespace) -> int:
         return misuse("draw", "--depth needs --about NAME")
     if arguments.layout == "dot" and kind not in _PAINTED:
         return misuse("draw", f"--layout has no effect on .{kind}: leave it out")
-    project = read_project(arguments, quietly=True)
+    if arguments.format == "json" and arguments.kind is None and arguments.output == "-":
+        advice = "leave out `--format json`, or type `mars-asp analyse FILE --format json`"
+        return misuse("draw", f"a picture has no JSON: {advice}")
+    project = read_project(arguments)
     configuration = project.configuration
     picture = _part(project, kind in _PAINTED, arguments)
     report_reading(project, arguments)

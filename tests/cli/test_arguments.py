@@ -93,6 +93,7 @@ def test_the_help_of_a_verb_shows_its_example(name: str, capsys: Captured) -> No
         (["check", "--explain", "guard_bypass"], "did you mean `explain`?"),
         (["export", "dot", "a.mars"], "did you mean `draw --as dot`?"),
         (["draw", "a.mars", "--format", "svg"], "did you mean `--as svg`?"),
+        (["draw", "a.mars", "--format", "mmd"], "did you mean `--as mmd`?"),
         (["rules", "explain", "guard_bypass"], "did you mean `rules show`?"),
         (["rule", "guard_bypass"], "no command `rule`: did you mean `rules show`?"),
         (["fix"], "no command `fix`: did you mean `check --diff`?"),
