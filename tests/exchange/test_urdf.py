@@ -148,6 +148,14 @@ def test_joints_become_functions_with_limits() -> None:
     assert mounts["_2nd_eye"].mounting_vertex is None
 
 
+def test_angles_have_no_more_digits_than_the_document(update_golden: bool) -> None:
+    text, expected = (FOLDER / "digits.urdf").read_text(), FOLDER / "digits.mars"
+    printed = print_configuration(import_urdf(text, "digits.urdf").configuration)
+    if update_golden:
+        expected.write_text(printed)
+    assert printed == expected.read_text()
+
+
 def test_other_axes_become_modules_of_their_own() -> None:
     found = imported((FOLDER / "slide.urdf").read_text())
     names = [name.text for name in found.modules]

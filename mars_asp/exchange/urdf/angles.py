@@ -20,6 +20,8 @@ QUARTER = math.pi / 2
 #: A millionth of a microdegree: rounding of products of sines, far below any stated angle.
 _ROUNDING = 1e-12
 _DIGITS, _DECIMALS = 16, 13
+#: An angle of so many significant digits is rounded to its own precision.
+_MANY_DIGITS = 10
 
 
 def degrees_of(radians: float) -> Decimal:
@@ -27,6 +29,21 @@ def degrees_of(radians: float) -> Decimal:
     degrees = math.degrees(radians)
     nearest = round(degrees / 90) * 90
     return writable(Decimal(nearest if abs(degrees - nearest) < _ROUNDING else degrees))
+
+
+def degrees_of_written(radians: Decimal) -> Decimal:
+    """Return an angle in degrees, with the fewest digits that give its digits in radians again.
+
+    3.14159265359 is 180, not 180.0000000000119. An angle of few digits is used as written: 1.5708
+    may mean itself or a right angle.
+    """
+    exact = degrees_of(float(radians))
+    _, digits, last = radians.as_tuple()
+    if len(digits) < _MANY_DIGITS or not isinstance(last, int):
+        return exact
+    error = Decimal(5).scaleb(last - 1)
+    rounded = (round(exact, places) for places in range(_DECIMALS))
+    return next((d for d in rounded if abs(Decimal(math.radians(d)) - radians) <= error), exact) + 0
 
 
 def writable(value: Decimal) -> Decimal:

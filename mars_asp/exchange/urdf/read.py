@@ -14,6 +14,7 @@ from mars_asp.exchange.urdf.angles import (
     QUARTER,
     Turns,
     degrees_of,
+    degrees_of_written,
     main_axis,
     rotation_of,
     turns_of,
@@ -120,8 +121,12 @@ def _placements(
 
 def _written_turns(joint: UrdfJoint) -> Turns:
     # Angles beyond a full turn are reduced to the equivalent ones below it.
-    radians = (float(angle) for angle in joint.turns)
-    angles = (degrees_of(a if abs(a) <= math.tau else math.remainder(a, math.tau)) for a in radians)
+    angles = (
+        degrees_of_written(angle)
+        if abs(angle) <= math.tau
+        else degrees_of(math.remainder(float(angle), math.tau))
+        for angle in joint.turns
+    )
     return tuple(zip("xyz", angles, strict=True))
 
 
@@ -163,7 +168,7 @@ def _joint_function(joint: UrdfJoint, letter: str) -> Function:
     def converted(value: Decimal | None) -> Decimal | None:
         if value is None:
             return None
-        found = writable(value * _METRE) if slides else degrees_of(float(value))
+        found = writable(value * _METRE) if slides else degrees_of_written(value)
         # A bound beyond the range of the language counts as open.
         return found if abs(found) <= BOUND.most else None
 
