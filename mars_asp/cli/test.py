@@ -89,30 +89,33 @@ def run_once(arguments: argparse.Namespace) -> int:
         for path in arguments.paths
         if overlay_bytes(Path(path)) is None and not Path(path).exists()
     ]
-    unread = [unreadable(path, "no such file") for path in missing]
+    unread = [
+        CaseFileResult(Path(path), None, (unreadable(path, "no such file"),), 0.0)
+        for path in missing
+    ]
+    if unread and arguments.snapshot:
+        raise MarsError(problem for each in unread for problem in each.problems)
     there = [path for path in arguments.paths if path not in missing]
-    if unread and (arguments.update or arguments.snapshot or not there):
-        raise MarsError(unread)
     found = cases_of(map(Path, there), rules)
     robots = [each for each in found if each.pack is None and each.path.suffix == SUFFIX]
     if robots and not rules:
         rules = packs_for(arguments, robots[0].path.parent)
     if arguments.snapshot:
         return _snapshot(found, rules, arguments)
-    if not found:
-        where = ", ".join(map(visible, arguments.paths))
+    if there and not found:
+        where = ", ".join(map(visible, there))
         message = f"no case in {where}: cases are `.lp` and `.mars` files with an expectation"
         print(f"mars-asp test: {message}", file=sys.stderr)
     packs = {each.pack for each in found}
     books = {pack: _rulebook(pack, rules, arguments.trust) for pack in packs}
-    ran = [_ran(each, books[each.pack]) for each in found]
+    ran = [*unread, *(_ran(each, books[each.pack]) for each in found)]
     if arguments.junit:
         write_file(arguments.junit, junit(ran))
     problems: list[Diagnostic] = [problem for each in ran for problem in each.problems]
     if problems and (arguments.update or not any(each.outcome for each in ran)):
         raise MarsError(dict.fromkeys(problems))
     # The other cases are run even if one has errors.
-    report([*unread, *dict.fromkeys(problems)], arguments)
+    report(dict.fromkeys(problems), arguments)
     for each in ran:
         detail(arguments, f"{each.path}: {each.seconds:.2f} s")
     outcomes = [each.outcome for each in ran if each.outcome is not None]
@@ -124,7 +127,7 @@ def run_once(arguments: argparse.Namespace) -> int:
     arguments.mutate = arguments.mutate and all_pass
     result, lines, status = _measured(found, books, arguments)
     print_outcomes(outcomes, arguments, result, lines)
-    if unread or problems:
+    if problems:
         return 2
     failed = [outcome for outcome in outcomes if not outcome.passed]
     if outcomes and arguments.update and all(each.updated is not None for each in failed):

@@ -287,11 +287,17 @@ def test_a_missing_case_hides_no_other(
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a.lp").write_text('%= module("A")\nmodule("A").\n#show module/1.\n')
     (tmp_path / "b.lp").write_text("%has: p(\n")
-    assert run_here(["test", "nope.lp", "a.lp", "b.lp", "-v"]) == 2
+    assert run_here(["test", "nope.lp", "a.lp", "b.lp", "-v", "--junit", "out.xml"]) == 2
     output = capsys.readouterr()
     assert "1 passed" in output.out
     assert "nope.lp: no such file" in output.err and "b.lp:1" in output.err
     assert "mars-asp: a.lp: 0." in output.err
+    (suite,) = ElementTree.parse("out.xml").getroot()
+    assert [case.get("name") for case in suite] == ["nope.lp", "a.lp", "b.lp"]
+    missing = suite[0].find("error")
+    assert missing is not None and missing.get("message") == "nope.lp: no such file"
+    assert run_here(["test", "nope.lp", "--junit", "alone.xml"]) == 2
+    assert ElementTree.parse("alone.xml").getroot()[0].get("errors") == "1"
 
 
 def test_a_continuation_of_nothing_is_an_error(tmp_path: Path, capsys: Captured) -> None:
