@@ -64,7 +64,7 @@ def _table_lines(tables: "Iterable[Table]", arguments: argparse.Namespace) -> Se
         for table in tables:
             if table.row_count:
                 console.print(table)
-    return captured.get().split("\n")[:-1]
+    return [line.rstrip() for line in captured.get().split("\n")[:-1]]
 
 
 def run_line(trial: "Trial", wall: float) -> str:

@@ -63,7 +63,8 @@ def test_dropped_messages_are_shown(capfd: Captured, tmp_path: Path) -> None:
     output = capfd.readouterr().out
     assert re.search(r"C -> P +10\.00 +0 +31 overtaken", output)
     # No link asks for a rate.
-    assert re.search(r"(?m)^link +got Hz +oldest ms +dropped *$", output)
+    assert re.search(r"(?m)^link +got Hz +oldest ms +dropped$", output)
+    assert not re.search(r"(?m) $", output)
     assert run_command([*words, "--format", "json"]) == 1
     links = json.loads(capfd.readouterr().out)["links"]
     assert [link["dropped"] for link in links] == [{"overtaken": 31}, {}]
