@@ -29,6 +29,8 @@ _WRITING = frozenset(
 )
 #: The minimal similarity of proposed options; dashes make any two a little alike.
 _ALIKE = 0.7
+#: Verbs are short: `clean` is not `can`.
+_ALIKE_VERB = 0.78
 #: The formats of a command's result; a command with others has its own `RESULT_FORMATS`.
 FORMATS = ("text", "json")
 
@@ -264,7 +266,7 @@ def ordered(words: Sequence[str]) -> list[str]:
     if ALIASES.get(rest[0], rest[0]) not in VERBS:
         is_option = f"--{rest[0]}" in (*takes, "--version")
         near = parser.meant(rest[0]) or (
-            f"--{rest[0]}" if is_option else nearest(rest[0], (*VERBS, *ALIASES))
+            f"--{rest[0]}" if is_option else nearest(rest[0], (*VERBS, *ALIASES), _ALIKE_VERB)
         )
         hint = f"did you mean `{near}`?" if near else f"one of {', '.join(VERBS)}"
         parser.error(f"there is no command `{rest[0]}`: {hint}")

@@ -145,3 +145,12 @@ def test_json_has_the_keys_of_verify_and_one_more(capsys: Captured, monkeypatch:
     (violation,) = found["violations"]
     assert violation["clause"] == 1
     assert [each["line"] for each in violation["locations"]] == [9, 10]
+
+
+def test_nothing_is_added_to_a_specification(
+    tmp_path: Path, monkeypatch: Patch, capsys: Captured
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("robot.mars").write_text("@specification\n@modules A, B\nA uses_data_from B\n")
+    assert run_here(["verify", "--without", "/mux", "robot.mars"]) == 2
+    assert "nothing is added to a file that is a specification already" in capsys.readouterr().err
