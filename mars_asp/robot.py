@@ -882,12 +882,12 @@ class WhyNotResult(RobotAnswer):
 
     @property
     def present(self) -> bool:
-        """Whether it is there after all."""
+        """Whether the subject of the question exists after all."""
         return self.found.present
 
     @property
     def to_get(self) -> str | None:
-        """The smallest change found that gives it, or None."""
+        """A sentence with the smallest change found that gives the absent subject, or None."""
         return self.found.to_get
 
 

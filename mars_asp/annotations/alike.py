@@ -60,7 +60,7 @@ def is_closed(lines: Sequence[str], block: tuple[int, int]) -> bool:
 
 
 def _read_block(text: str, around: _Around) -> Module | None:
-    """Return the module of a block, or None if it has problems or needs the full reader."""
+    """Return the module of a block, or None if it has problems or may depend on text outside it."""
     body, _, end = around[1].rpartition("\n")
     if end.strip(" \t") != _LAST or _STRANGE.search(body):
         return None

@@ -99,7 +99,7 @@ def _builtin(names: Sequence[str | None]) -> tuple[str, str, str]:
 def _named_inputs(
     parameters: Sequence[DeclaredParameter], overrides: Overrides
 ) -> Iterator[tuple[str | None, str | None]]:
-    """Yield the name and the representation of each input."""
+    """Yield name and representation, if known, of each input; contexts and times are skipped."""
     if overrides.inputs is not None:
         declared = [written for written in overrides.inputs if written != "none"]
         # With as many stated types as parameters, the types belong to the parameters.

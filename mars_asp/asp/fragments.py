@@ -126,7 +126,7 @@ def _of_rules(fragment: Fragment, able: Set[int], first: int) -> Fragment:
 
 @lru_cache(maxsize=4096)
 def blank(text: str) -> str:
-    """Return a text with every character except line ends replaced by a blank."""
+    """Return the line ends of a text, and as many blanks as its last line has characters."""
     return "\n" * text.count("\n") + " " * len(text.rpartition("\n")[2])
 
 

@@ -198,7 +198,7 @@ def shown(symbol: clingo.Symbol) -> str:
 
 
 def _list_items(symbol: clingo.Symbol) -> tuple[list[str], int]:
-    """Return the names in `and("A",and("B",N))`, and the number N of further names."""
+    """Return the names in `and("A",and("B",N))`, each in backquotes, and N, how many more, or 0."""
     names: list[str] = []
     while symbol.match("and", 2):
         first, symbol = symbol.arguments

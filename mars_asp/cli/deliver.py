@@ -312,7 +312,7 @@ class WorkerOutput:
                 raise ValueError(message)
 
     def _grow(self, write: Callable[[], None]) -> None:
-        """Open the file that grows, or write a line to it, unless an earlier write failed."""
+        """Call `write` for the growing file; report its first failure, and skip later calls."""
         if self.failed:
             return
         try:

@@ -306,10 +306,10 @@ def _no_finding(
     of: str,
     arguments: argparse.Namespace,
 ) -> str | None:
-    """Return the sentence that no finding is about a subject; None for other subjects.
+    """Return the sentence that no finding is about a subject, or why; None for unknown subjects.
 
     Raises:
-        MarsError: `subject` is a node, topic or file name that the launch files do not have.
+        MarsError: `subject` looks like a name or file of launch files, which do not have it.
     """
     if subject in {name.text for name in project.configuration.modules}:
         return f"no finding about `{subject}` in {of}"

@@ -147,7 +147,7 @@ class _Sources:
         return shown if line is None else f'<a class="place" href="#{line}">{shown}</a>'
 
     def sections(self) -> Iterator[str]:
-        """Yield the HTML of each file with its lines."""
+        """Yield the HTML of each file: all lines, or only the cited ones if it has many."""
         for path, number in self._numbers.items():
             lines = self._lines[path]
             name, cited = escape(self.name(path)), self._cited[path]

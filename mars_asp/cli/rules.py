@@ -175,7 +175,7 @@ def _mended(found: LintResult) -> int:
 
 
 def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
-    """Return the text about a rule (by id), predicate or file; `with_source` adds its code.
+    """Return the text about a rule, predicate, file, kind or code; `with_source` adds rules' code.
 
     Raises:
         MarsError: nothing has that name.

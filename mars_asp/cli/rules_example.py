@@ -38,7 +38,7 @@ def rule_example(rule: Rule, rulebook: Rulebook) -> RuleExample | None:
 def tabled_example(rule: Rule, solved: RuleExample | None = None) -> RuleExample | None:
     """Return the example of a rule in the table of the wheel, else `solved`, which may be None.
 
-    A build enters solved examples in this way.
+    The first call for a rule decides: a build, with `solved`, thereby fills the table.
     """
     key = (rule.id, digest(rule.text.encode()))
     return memoized("examples", (Path(__file__),), [key], lambda _: solved)[key]

@@ -311,10 +311,10 @@ class Selection:
     # ---- What is chosen --------------------------------------------------------------------------
 
     def _choice(self, folder: Path) -> _Choice:
-        """Return the selection of options and of the settings for a folder.
+        """Return names to select and ignore and a baseline: of options, else a folder's settings.
 
         Raises:
-            MarsError: the settings, or their baseline, are wrong.
+            MarsError: the settings or the baseline are wrong.
         """
         settings = settings_of(self._arguments, folder)
         for key, kinds in (("select", settings.select), ("ignore", settings.ignore)):

@@ -59,7 +59,7 @@ class Pairs:
         return next((found[key] for key in keys if key in found), None)
 
     def word(self, *keys: str) -> Scalar | None:
-        """Return the value of the first of these keys, or None if it is not a word."""
+        """Return the value of the first of these keys in the map; None if empty or no scalar."""
         found = self.value(*keys)
         return found if isinstance(found, Scalar) and found.text else None
 

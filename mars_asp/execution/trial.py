@@ -86,7 +86,7 @@ class Trial:
 
     @property
     def clearance(self) -> float:
-        """Return the minimal clearance (mm) of all robots; inf for one robot without obstacles."""
+        """Return the minimal gap (mm) so far of a robot to another or an obstacle; else inf."""
         return min(body.clearance for body in self.bodies)
 
     @property

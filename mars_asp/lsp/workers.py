@@ -18,7 +18,7 @@ class Workers:
     """The processes of a language server."""
 
     def __init__(self, start: Callable[[], _Worker], seconds: float, most: int) -> None:
-        """Set the function that starts a process, the time limit, and the number of processes."""
+        """Set how to start a process, the time limit of a question, and how many may be busy."""
         self._start, self._seconds = start, seconds
         self._idle: list[_Worker] = []
         self._working: set[_Worker] = set()

@@ -241,9 +241,9 @@ def _attributed_names(
 
 
 def _prefixed_description(prefix: str, name: Name, in_blocks: Iterable[str]) -> str | None:
-    """Return the name of the module that describes an included one, or None if it is the same.
+    """Return the module that describes an included one, or None if its own block does.
 
-    The prefix is added if a block of the included file is the description.
+    The name has the prefix if a block of the included file is the description, else not.
     """
     describing = name.described or name.text
     if describing in in_blocks:

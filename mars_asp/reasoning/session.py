@@ -101,7 +101,7 @@ class Reasoner:
 
     @property
     def synthesis(self) -> Synthesis | None:
-        """Return a minimal specification, or None if no specification realises the project.
+        """Return a minimal specification, or the cheapest within the budget; None if there is none.
 
         Raises:
             MarsError: rules that clingo refuses, or costs that are too large to be added up.

@@ -23,7 +23,7 @@ _BEFORE = frozenset(("pub", "crate", "async", "unsafe", "const", "extern", "defa
 
 
 def read_rust(tokens: Sequence[SourceToken], code: str) -> SourceDeclaration | NoFunction:
-    """Return the function `fn name<...>(parameters) -> type`, or the first other token."""
+    """Return the function `fn name(...) -> type`, else the first token after attributes."""
     first = at = _after_attributes(tokens, 0)
     token = tokens[min(first, len(tokens) - 1)]
     none = NoFunction(token.offset, token.text)

@@ -41,8 +41,8 @@ class Bench:
 
     Attributes:
         deterministic: stages without choices, in which grounding alone gives the answer of a case.
-        expansions: the expansions of metadata keys into rules.
-        check: another check of a mutant of a stage; it returns its name if it detects the mutant.
+        expansions: the expansion of each metadata key into rules, by key.
+        check: called with a stage and a mutated rulebook; returns its own name on detection.
     """
 
     rulebook: Rulebook

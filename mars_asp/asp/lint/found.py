@@ -16,7 +16,7 @@ class Fix(NamedTuple):
 
 
 def titled(fixes: Iterable[Fix]) -> str:
-    """Return the sentence that describes the changes of some fixes."""
+    """Return the title of fixes: `write` and their texts, or `leave it out` without texts."""
     written = " and ".join(f"`{each.text}`" for each in fixes if each.text)
     return f"write {written}" if written else "leave it out"
 

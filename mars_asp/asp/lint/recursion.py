@@ -164,7 +164,7 @@ def _met(again: list[ClauseAtom]) -> frozenset[str]:
 
 
 def _direction(term: SyntaxNode, carried: frozenset[str]) -> str | None:
-    """Return how a term grows in the recursion: `+`, `-`, `()` for nesting, or None."""
+    """Return `+` for a sum, product or power of `carried` names, `-`, `()` for nesting, or None."""
     kind = term.ast_type
     if not names_in(term) & carried:
         return None

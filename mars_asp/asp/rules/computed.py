@@ -80,9 +80,9 @@ class _Literal(NamedTuple):
 
 
 class _Site(NamedTuple):
-    """A node of a rule whose operations are examined, with the literals that hold `beside` it.
+    """A term or literal whose arithmetic is examined, with the literals that hold `beside` it.
 
-    `own` is its own literal if that can bind variables, else empty.
+    `own` is the node itself if it is a literal that can bind variables, else empty.
     """
 
     node: SyntaxNode

@@ -168,7 +168,7 @@ def _declared(documented: Documented) -> tuple[Declaration, ...]:
 
 
 def docstrings(written: Iterable[Piece]) -> Iterator[Piece]:
-    """Yield the comments of a file that declare predicates."""
+    """Yield the comments `%*! ... *%` of a file, which declare predicates."""
     return (each for each in written if each.sort == "comment" and re.fullmatch(_MARK, each.text))
 
 

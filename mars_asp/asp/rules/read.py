@@ -59,7 +59,7 @@ class RuleFile(NamedTuple):
 
     @property
     def documented(self) -> Documented:
-        """Return its declarations of predicates."""
+        """Return the file's comments that declare predicates, with its stage and path."""
         return Documented(self.stage, self.shown, self.docstrings)
 
     @property

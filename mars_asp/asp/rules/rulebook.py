@@ -94,7 +94,7 @@ class Rulebook:
 
     @cached_property
     def built_in(self) -> "Rulebook":
-        """Return the rulebook without packs."""
+        """Return the rulebook without rules, texts and declarations of packs; the rest stays."""
         if not self.packs:
             return self
         rules = self.rules[: len(self.rules) - self.pack_rules]

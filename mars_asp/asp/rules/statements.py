@@ -579,7 +579,7 @@ def written(text: str) -> SyntaxNode:
 
 @lru_cache(maxsize=_MOST)
 def variants(text: str) -> tuple[SyntaxNode, ...]:
-    """Return the tree of each variant of a rule without pools."""
+    """Return the trees of the rules to which a rule with pools expands, else only its own tree."""
     node = written(text)
     # A pool needs a semicolon.
     if ";" not in text or all(each.ast_type != _TYPE.Pool for each in below(node)):

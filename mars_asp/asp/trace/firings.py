@@ -68,7 +68,7 @@ class Firing(NamedTuple):
 
     @property
     def absent(self) -> Terms:
-        """Return the atoms whose absence the firing rests on."""
+        """Return the atoms that must be false for the firing, such as those after `not`."""
         return _distinct(term_ids.arguments(self.without))
 
 

@@ -24,7 +24,7 @@ from mars_asp.asp.trace.firings import (
 
 
 class _Tally:
-    """The value of an aggregate over the elements reached so far, and the firings that need it."""
+    """The value of an aggregate over the elements derived so far, and firings that wait for it."""
 
     def __init__(self, counted: Counted) -> None:
         self._function = counted.function
@@ -73,7 +73,7 @@ class _Tally:
         self._waiting[group].append(waiting)
 
     def release(self) -> "Iterator[_Waiting]":
-        """Yield the waiting firings whose groups are now reached; each is yielded once."""
+        """Yield the firings that wait for a bound the value now reaches, once for each bound."""
         if self._waiting and not self._order:
             self._order = sorted(self._waiting, key=_difficulty, reverse=self._function != "min")
         while self._order and self.reaches(self._order[-1]):

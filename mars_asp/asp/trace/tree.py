@@ -279,7 +279,7 @@ class Underivable:
 
     @property
     def nearest(self) -> list[NearMiss]:
-        """Return the near misses with a message; others are replaced by those of their cause."""
+        """Return the near misses; one without message is replaced by any that its cause has."""
         found: list[NearMiss] = []
         seen: set[int] = set()
         stack = list(reversed(self.attempts))

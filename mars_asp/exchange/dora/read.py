@@ -57,8 +57,8 @@ def import_dora(files: Sequence[tuple[str, str]]) -> Parsed:
 def _missing(dataflow: Dataflow, path: Path) -> Iterator[MissingFile]:
     """Yield the program files of nodes that do not exist relative to the dataflow's folder.
 
-    None is yielded if the dataflow is not a file, or if no program exists, so that it may be a
-    copy; unless one folder beside it has all programs.
+    None is yielded if the dataflow is not a file. If all are missing, it may be a copy: they are
+    yielded only if one folder beside it has files with all their names.
     """
     found: list[MissingFile] = []
     there = 0

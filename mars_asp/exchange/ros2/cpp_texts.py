@@ -61,7 +61,7 @@ class CppTexts:
     """Evaluates expressions of a program in C++ to strings."""
 
     def __init__(self, files: Sequence[ScopedCode]) -> None:
-        """Take all files of the program."""
+        """Set the files of the program, in which the values of names are looked up."""
         self._files = files
         self._values: dict[tuple[CppVariable, str], CppText] = {}
         self._defaults: dict[str, str | None] = {}
@@ -211,7 +211,7 @@ class CppTexts:
         return found
 
     def _owners_of(self, file: ScopedCode, at: int, name: str) -> Collection[str]:
-        """Return the classes or namespaces of a name that is not local.
+        """Return the class or namespace of a non-local name; several if its object is unknown.
 
         The class of an inherited member is the base class. A name that no file declares belongs to
         the class of the function.

@@ -125,7 +125,7 @@ def steered(
 
 
 def _published(words: Sequence[str]) -> Interface | None:
-    """Return the topic of `rostopic pub` with its rate, or None if it is not in the words."""
+    """Return the topic of `rostopic pub` with type and rate; None if topic or type is missing."""
     given = iter(words)
     named: list[str] = []
     hz = None

@@ -396,7 +396,7 @@ def _launched_names(tree: ast.Module) -> Iterator[ast.Name]:
 
 
 def _arguments_of(call: PythonCall) -> tuple[Text, ...]:
-    """Return the arguments of a program; those for ROS come last, after `--ros-args`."""
+    """Return a program's `arguments`, then `--ros-args` and its `ros_arguments` if it has any."""
     own, for_ros = (
         tuple(map(text_from, items_of(call.named.get(name))))
         for name in ("arguments", "ros_arguments")

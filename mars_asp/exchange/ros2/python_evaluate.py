@@ -96,7 +96,7 @@ class Evaluator(ExpressionEvaluator[Names]):
         return Span(self.path, node.lineno, column, last, column_at(self.lines, last, end))
 
     def branch(self, node: ast.AST, condition: ast.expr, names: Names) -> int:
-        """Return 0 if a condition holds, 1 if it does not, else the branch of this reading."""
+        """Return 0 if a condition holds, 1 if not; if unknown, record it and return `decided`."""
         found = tested(condition, lambda each: self.value(each, names), self.span(condition))
         holds = decision(found)
         if holds is not None:

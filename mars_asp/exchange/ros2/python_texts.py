@@ -116,7 +116,7 @@ class PythonTexts(ExpressionEvaluator[SourceScope]):
         self.scope, self.steps = SourceScope(self.places[id(call)]), 0
 
     def rounds_of(self, call: ast.Call) -> Iterator[None]:
-        """Yield once for each round of the loops around a call, with loop variables set."""
+        """Yield in each round of loops around a call, up to a limit, with loop variables set."""
         self.go_to(call)
         rounds = self._rounds(self.scope.place.loops, self.scope)
         for self.scope in islice(rounds, _MOST_ROUNDS):

@@ -52,7 +52,7 @@ class Goal(NamedTuple):
 
 @dataclass(frozen=True)
 class Signs:
-    """The texts and markers of a run up to now."""
+    """The lines above the diagram of a run, and its markers with their texts, up to now."""
 
     trial: Trial
     judgement: Judgement | None
@@ -109,7 +109,7 @@ class Signs:
 
     @cached_property
     def head(self) -> list[tuple[str, str]]:
-        """Return lines with colours: the verdict, then requirements that do not hold."""
+        """Return lines with colours: the time during a run, then verdict and unmet requirements."""
         if self.judgement is None:
             now = self.trial.executor.schedule.now / 1e9
             return [(f"running: {now:.1f} of {self.trial.scenario.duration:g} s", _INK)]

@@ -170,7 +170,7 @@ def _value_at(path: _Path, value: Any) -> Any:
 
 
 def _misformed_value(path: _Path, tables: Mapping[str, Any]) -> _Path | None:
-    """Return the path of the described value around a wrong value, or None."""
+    """Return the path of a wrong value or nearest list around it with a description, or None."""
     for count in range(len(path), 0, -1):
         if "description" in _schema(path[:count], tables):
             return path[:count]

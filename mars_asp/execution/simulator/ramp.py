@@ -32,7 +32,7 @@ class Ramp:
         return self._until if self._until > -inf else inf
 
     def at(self, seconds: float, wanted: float) -> float:
-        """Return the rate from a time up to `until`, on the way to a wanted rate."""
+        """Return the mean rate up to `until`; a call from then on begins the step to `wanted`."""
         if seconds < self._until - _SAME:
             return self.mean
         self.mean, self._until = self.rate, -inf

@@ -126,7 +126,7 @@ def _sought_ports(project: Project, questions: Iterable[Atom]) -> Iterator[Atom]
 
 
 def _helps(change: RenderedMessage, project: Project, gives: Callable[[Project], bool]) -> bool:
-    """Whether a change is valid and gives the missing consequence or node."""
+    """Whether a change gives the missing consequence or node; one `anywhere` counts untried."""
     term = as_symbol(change.head).arguments[2]
     try:
         return term.match("anywhere", 0) or gives(changed(project, term))

@@ -391,7 +391,7 @@ def _pairs(
 def _others(
     entries: Iterable[_DiffEntry[Item]], known: Iterable[_DiffEntry[Item]]
 ) -> dict[tuple[str, ...], list[_DiffEntry[Item]]]:
-    """Return the entries without an equal one in `known`, by their keys, with repetitions."""
+    """Return, by key, the entries that remain after each of `known` cancels one equal entry."""
     left = Counter(entry.value for entry in known)
     found: dict[tuple[str, ...], list[_DiffEntry[Item]]] = {}
     for entry in entries:

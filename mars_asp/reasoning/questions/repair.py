@@ -246,7 +246,7 @@ def try_edits(
     rulebook: Rulebook,
     before: "FindingCounts",
 ) -> Trial | None:
-    """Return the result of edits; None if they cannot be written or change the controllers' order.
+    """Return the project with edits, analysed; None if they fail or change the controllers' order.
 
     `before` are the findings without the edits.
     """
