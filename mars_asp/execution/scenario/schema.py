@@ -191,5 +191,5 @@ def _is_nan(value: object) -> bool:
 
 
 def _plainly(bound: float) -> str:
-    """Return a bound without an exponent: 1e9 as `1000000000`."""
-    return f"{bound:.0f}" if float(bound).is_integer() else f"{bound:g}"
+    """Return a bound as text: a whole number in all its digits, 1e9 as `1000000000`."""
+    return str(int(bound)) if float(bound).is_integer() else f"{bound:g}"

@@ -65,6 +65,11 @@ def keys(schema: dict[str, Any]) -> list[str]:
     ("wrong", "message", "help_text"),
     [
         ("seed = 1.0", "`seed` must be a whole number", None),
+        (
+            "seed = 9223372036854775808",
+            "`9223372036854775808` is out of range for `seed`",
+            "from -9223372036854775808 to 9223372036854775807",
+        ),
         ("duration = 1979-05-27", "`duration` must be a number", None),
         ("up = 07:32:00", "`up` must be a string", None),
         ("robot = 3", "`robot` must be a table", None),
