@@ -1,7 +1,7 @@
 """Fill in docs/explanation/case-study.md: `python benchmarks/case_study.py FOLDER`.
 
-Each `text` block of the page is a campaign, or a sign test of its runs, and its output, that of a
-campaign without its worst runs and the rows that `LEFT_OUT` matches.
+Each `text` block of the page has a campaign and its output, without its worst runs and the rows
+that `LEFT_OUT` matches, or the output of sign tests, and before them the campaigns of their runs.
 The runs are kept in FOLDER, and those that it has already are not carried out again.
 """
 
@@ -15,11 +15,11 @@ from pathlib import Path
 PAGE = Path("docs/explanation/case-study.md")
 #: Rows of a table of a campaign, with the rows of its settings below each.
 LEFT_OUT = re.compile(
-    r"^(?:no_collision|(?:Forward|Turn|Avoid|Forward\+Turn) in control|least clearance|warnings in)"
-    r"\b.*\n(?: .*\n)*",
+    r"^(?:no_collision|coverage|(?:Forward|Turn|Avoid|Forward\+Turn) in control|least clearance"
+    r"|warnings in)\b.*\n(?: .*\n)*",
     re.MULTILINE,
 )
-BLOCK = re.compile(r"```text\n\$ (?P<command>[^\n]*)\n.*?```", re.DOTALL)
+BLOCK = re.compile(r"```text\n(?P<commands>(?:\$ [^\n]*\n)+).*?```", re.DOTALL)
 
 
 def printed(words: Sequence[str], folder: Path) -> str:
@@ -41,9 +41,13 @@ def main() -> None:
     folder.mkdir(exist_ok=True)
 
     def filled(found: re.Match[str]) -> str:
-        told = printed(shlex.split(found["command"]), folder)
-        print(found["command"], told, sep="\n", flush=True)
-        return f"```text\n$ {found['command']}\n{told}```"
+        commands = [line.removeprefix("$ ") for line in found["commands"].splitlines()]
+        outputs = [printed(shlex.split(command), folder) for command in commands]
+        print(*(text for pair in zip(commands, outputs, strict=True) for text in pair), sep="\n")
+        kept = [
+            text for command, text in zip(commands, outputs, strict=True) if "sign_test" in command
+        ]
+        return f"```text\n{found['commands']}{''.join(kept or outputs)}```"
 
     PAGE.write_text(BLOCK.sub(filled, PAGE.read_text(encoding="utf-8")), encoding="utf-8")
 

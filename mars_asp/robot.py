@@ -59,7 +59,19 @@ from mars_asp.cli.wrapping import columns
 from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.exchange.lift import lifted
 from mars_asp.exchange.recognise import FORMATS
-from mars_asp.model.declarations import Configuration, Control, Data, Module, Mount
+from mars_asp.model.declarations import (
+    Configuration,
+    Control,
+    Data,
+    Gating,
+    Limit,
+    Lock,
+    Module,
+    Mount,
+    Relationship,
+    Reset,
+    Strategy,
+)
 from mars_asp.model.described import described_modules, module_classes
 from mars_asp.model.names import read_name
 from mars_asp.model.rates import as_number
@@ -1003,7 +1015,7 @@ def _graph(configuration: Configuration, modules: Mapping[str, Module]) -> dict[
     }
 
 
-def _edge(relationship: Data | Control | Mount) -> dict[str, Any]:
+def _edge(relationship: Relationship) -> dict[str, Any]:
     """Return a relationship as JSON of an edge, without values that are not stated."""
     match relationship:
         case Data(client, source):
@@ -1020,6 +1032,20 @@ def _edge(relationship: Data | Control | Mount) -> dict[str, Any]:
             # `A is_mounted_on B` gives A as `mounting` and B, the host, as `mounted`.
             ends = {"kind": "mount", "from": mounting, "to": mounted}
             values = {}
+        case Gating(gated, trigger):
+            ends = {"kind": relationship.sign, "from": trigger, "to": gated}
+            values = {"ms": relationship.ms}
+        case Reset(module, source):
+            ends, values = {"kind": "reset", "from": source, "to": module}, {}
+        case Lock(controlled, source):
+            ends = {"kind": "lock", "from": source, "to": controlled}
+            values = {"priority": relationship.priority, "hold_ms": relationship.hold_ms}
+        case Limit(controlled, source):
+            ends = {"kind": "limit", "from": source, "to": controlled}
+            values = {"hold_ms": relationship.hold_ms}
+        case Strategy(controlled):
+            ends = {"kind": "strategy", "from": controlled, "to": controlled}
+            values = {"strategy": relationship.strategy, "period_ms": relationship.period_ms}
     return ends | {name: value for name, value in values.items() if value is not None}
 
 

@@ -2,9 +2,11 @@
 
 import json
 import re
+from runpy import run_path
 
 import pytest
 
+from mars_asp.behaviour.testing import Stepper
 from tests.support.documents import ROOT, run
 
 FIGURES = {
@@ -69,7 +71,16 @@ def test_nodes_of_figure_19() -> None:
     assert found["cost"]["nodes"] == 3
 
 
-@pytest.mark.parametrize("example", [*FIGURES, "level0"])
+@pytest.mark.parametrize(("example", "nodes", "lines"), [("figure17", 2, 12), ("figure20", 4, 17)])
+def test_figures_with_side_lines(example: str, nodes: int, lines: int) -> None:
+    found = json.loads(run(f"mars-asp synthesise --format json examples/{example}/config.mars"))
+    assert found["cost"] == {"nodes": nodes, "conversion": 0, "relationships": lines}
+    assert found["proven_minimal"]
+    assert found["optimal_count"] == 1
+    assert len(found["resets"]) == 1
+
+
+@pytest.mark.parametrize("example", [*FIGURES, "figure17", "figure20", "level0"])
 def test_a_specification_read_back_has_nothing_to_resolve(example: str) -> None:
     specification = ROOT / "tests" / "specifications" / f"{example}.mars"
     assert specification.read_text() == run(f"mars-asp synthesise examples/{example}/config.mars")
@@ -79,23 +90,31 @@ def test_a_specification_read_back_has_nothing_to_resolve(example: str) -> None:
     assert kinds <= {"unused_output", "loose_end"}
 
 
-@pytest.mark.parametrize("example", [*FIGURES, "level0"])
-def test_a_specification_is_its_own_specification(example: str) -> None:
-    printed = run(f"mars-asp synthesise tests/specifications/{example}.mars")
-    again = (ROOT / "tests" / "specifications" / f"{example}.mars").read_text()
-    assert tokens(printed) == tokens(again)
+FIGURE_20 = run_path(str(ROOT / "examples" / "level1" / "sources" / "subsumption.py"))
+HEADING, LEG, HALT = (FIGURE_20[name] for name in ("Heading", "Leg", "Halt"))
 
 
-@pytest.mark.parametrize("source", ["python", "cpp"])
-def test_level_0_from_annotated_sources(source: str) -> None:
-    specification = ROOT / "tests" / "specifications" / "level0.mars"
-    printed = run(f"mars-asp synthesise examples/level0/{source}.mars")
-    assert tokens(printed) == tokens(specification.read_text())
+def test_turn_of_figure_20_takes_one_heading_until_its_reset() -> None:
+    turn = FIGURE_20["Turn"]()
+    turned = Stepper(turn, method="turn")
+    for tenth in range(5):
+        assert turned.step(HEADING(40 - tenth, 200 + tenth), at=tenth / 10)
+        assert turn.arrived() is None
+    assert turned.step(HEADING(90, 100), at=0.5) is None
+    assert turn.arrived() == LEG(1, 200)
+    assert turned.step(HEADING(90, 100), at=0.6) is None
+    assert turn.arrived() is None
+    turn.reset()
+    assert turned.step(HEADING(90, 100), at=0.7) == ("Rotn_Y", 60)
 
 
-def test_the_mobile_camera_is_the_same_in_both_languages() -> None:
-    cpp, python = (
-        run(f"mars-asp synthesise examples/mobile-camera/{name}.mars")
-        for name in ("config", "python")
-    )
-    assert tokens(cpp) == tokens(python)
+@pytest.mark.parametrize(("halt", "ends_at"), [(HALT(due=False), 0.8), (HALT(due=True), 0.5)])
+def test_forward_of_figure_20_drives_its_distance_or_halts(halt: object, ends_at: float) -> None:
+    forward = FIGURE_20["Forward"]()
+    driven = Stepper(forward, method="forward")
+    assert driven.step(LEG(1, 200), HALT(due=False), at=0) == ("Trans_Z", 250)
+    assert forward.moved() is None
+    assert driven.step(LEG(1, 200), halt, at=ends_at) == ("Trans_Z", 0)
+    assert forward.moved() == LEG(1, 200)
+    assert forward.moved() is None
+    assert driven.step(LEG(1, 200), HALT(due=False), at=1) is None

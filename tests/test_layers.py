@@ -72,8 +72,8 @@ FILES = {
         "motion descriptions launched otherwise"
     ),
     "reasoning/synthesis": (
-        "carried_modes line_inputs derived draft exclusion inheritance_nodes control_lines "
-        "data_lines specify preferences synthesise"
+        "carried_modes line_inputs derived draft exclusion inheritance_nodes side_lines "
+        "control_lines data_lines specify preferences synthesise"
     ),
     "reasoning/questions": (
         "unrealised sharing account capability needs subject relationship_query absence_query "
@@ -84,8 +84,8 @@ FILES = {
         "without"
     ),
     "exchange": (
-        "recognise lift yaml_document elements unread folders ports graph relays cascades topics "
-        "unite urdf twist_mux rosgraph dora ros2 foreign"
+        "recognise lift yaml_document elements unread folders ports graph relays cascades locks "
+        "topics unite urdf twist_mux rosgraph dora ros2 foreign"
     ),
     "exchange/dora": "document read",
     "exchange/rosgraph": "dump rosdiscover caret dot_tokens dot node_info topic_info read",
@@ -103,13 +103,18 @@ FILES = {
         "picture marks part colours ranks order straighten layered packing graphviz shapes legend "
         "svg page dot mermaid png"
     ),
-    "execution": ("parts executor simulator scenario trial promises judgement recording campaign"),
+    "execution": (
+        "parts executor simulator scenario trial promises gate_facts judgement recording campaign"
+    ),
     "execution/campaign": "grid summary journal code picture",
     "execution/executor": (
-        "behaviour schedule link arbitration delivery modules nodes plan executor"
+        "behaviour schedule link bounds channel arbitration delivery gate modules nodes plan "
+        "executor"
     ),
     "execution/simulator": "motion ramp world body fleet approach devices",
-    "execution/scenario": ("schema contradictions vary read functions agreement devices"),
+    "execution/scenario": (
+        "schema contradictions vary read link_faults functions agreement devices"
+    ),
     "execution/recording": "frame lanes signs picture record mcap replay",
     "lsp": (
         "places keyword_docs occurrences robot rule_text rules actions references rename symbols "

@@ -83,6 +83,8 @@ def renamed(configuration: Configuration, rename: Callable[[str], str]) -> Confi
                     mounting=rename(relationship.mounting),
                     mounted=rename(relationship.mounted),
                 )
+            case _:
+                return relationship
 
     return replace(
         configuration,

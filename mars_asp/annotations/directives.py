@@ -13,7 +13,7 @@ from mars_asp.model.declarations import DELIVERY_MODES, GRASP, MOTION_FUNCTIONS,
 from mars_asp.model.names import QUOTED
 
 BOUNDARIES = ("module_start", "module_name", "module_end")
-OVERRIDES = ("Output", "Input", "Port", "Signature")
+OVERRIDES = ("Output", "Input", "Port", "Signature", "Window")
 WORDS = (
     *(*BOUNDARIES, *SERVICE_KINDS, *MOTION_FUNCTIONS, GRASP, "Vertex", "Guard"),
     *(*attributes.WORDS, *OVERRIDES),

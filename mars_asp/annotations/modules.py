@@ -53,6 +53,7 @@ class _OpenBlock:
     vertices: dict[int, Vertex] = field(default_factory=dict)
     moving: Directive | None = None
     guard: Directive | None = None
+    reset: Directive | None = None
     attributes: dict[tuple[str, str], Attribute] = field(default_factory=dict)
 
 
@@ -117,7 +118,11 @@ class _ModuleReader:
             self.guard(module, directive)
         elif word in attributes.WORDS:
             self.attribute(module, directive)
+        elif word == "Reset" and module.reset is not None:
+            self.problems.note_twice(directive, "@Reset")
+            self.pending.add_unread(directive)
         else:
+            module.reset = directive if word == "Reset" else module.reset
             self.pending.add(directive)
 
     def orphan(self, directive: Directive) -> None:

@@ -1,4 +1,4 @@
-"""`@Output`, `@Input` and `@Port`: corrections and additions to a declaration."""
+"""`@Output`, `@Input`, `@Port` and `@Window`: corrections and additions to a declaration."""
 
 import re
 from collections.abc import Sequence
@@ -13,6 +13,9 @@ from mars_asp.model.names import QUOTED, plain, read_name
 _ONE_INPUT = re.compile(rf"([^\W\d]\w*|{QUOTED})\s*:(?!:)\s*(.+)")
 #: The name of an unknown representation.
 _UNKNOWN = "auto"
+_WHOLE = re.compile(r"[0-9]{1,10}")
+#: The longest window, in milliseconds.
+_LONGEST = 2**31 - 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +31,7 @@ class Overrides:
     named: dict[str, str] = field(default_factory=dict)
     port: str | None = None
     further: dict[str, str] = field(default_factory=dict)
+    window_ms: int | None = None
 
 
 def read_overrides(
@@ -37,6 +41,7 @@ def read_overrides(
     output: str | None = None
     inputs: tuple[str, ...] | None = None
     port: str | None = None
+    window: int | None = None
     named: dict[str, str] = {}
     further: dict[str, str] = {}
     wrong: list[tuple[Directive, ArgumentProblem]] = []
@@ -50,6 +55,9 @@ def read_overrides(
         elif directive.word == "Port":
             problem = _again("@Port") if port is not None else _no_name(text)
             port = port if problem else read_name(text)
+        elif directive.word == "Window":
+            problem = _again("@Window") if window is not None else _no_window(text)
+            window = window if problem else int(text)
         elif single is not None and single[1].startswith('"'):
             name = plain(single[1])
             problem = _again("@Input") if inputs is not None or name in further else None
@@ -71,7 +79,7 @@ def read_overrides(
                 inputs = tuple(piece.strip() for _, piece in pieces)
         if problem is not None:
             wrong.append((directive, problem))
-    return Overrides(output, inputs, named, port, further), wrong
+    return Overrides(output, inputs, named, port, further, window), wrong
 
 
 def _again(word: str) -> ArgumentProblem:
@@ -87,6 +95,15 @@ def _no_name(text: str) -> ArgumentProblem | None:
     return ArgumentProblem(
         "MARS107", f"expected the name of a port, found `{text}`", help_text, 0, len(text)
     )
+
+
+def _no_window(text: str) -> ArgumentProblem | None:
+    """Return the problem of a `@Window` without a whole number of milliseconds, if it is one."""
+    if _WHOLE.fullmatch(text) and 1 <= int(text) <= _LONGEST:
+        return None
+    message = f"expected milliseconds, found `{text}`"
+    help_text = f"write a whole number from 1 to {_LONGEST}, as in `@Window 50`"
+    return ArgumentProblem("MARS215", message, help_text, 0, len(text))
 
 
 def _unknown_parameter(

@@ -16,11 +16,14 @@ from mars_asp.annotations.overrides import Overrides, read_overrides
 from mars_asp.annotations.problems import Problems
 from mars_asp.annotations.services import ServiceSignature, read_signature
 from mars_asp.diagnostic import Severity, Span
-from mars_asp.model.declarations import SERVICE_KINDS, Service
+from mars_asp.model.declarations import SERVICE_KINDS, Mode, Service
 
 #: The maximal number of annotations on one declaration.
 MOST_ANNOTATIONS = 500
 _MOST_SHOWN = 80
+_COMPLETED = (Mode("NotifyWhenReady", text="NotifyWhenReady"),)
+#: How the function of a `@Done` or `@Reset` is called, by its greatest number of inputs.
+_CALLED = ("without arguments", "without arguments, or with the message of the reset")
 _BEFORE = (
     "put the annotation before its function, or state the function with `@Signature DECLARATION`"
 )
@@ -142,7 +145,7 @@ class Pending:
         bound: list[Service] = []
         signatures: dict[bool, ServiceSignature] = {}
         for service in services:
-            delivers = service.kind in ("Sense", "DataOut", "Converts")
+            delivers = service.kind in ("Sense", "DataOut", "Converts", "Done")
             if delivers not in signatures:
                 signatures[delivers] = read_signature(declaration, overrides, delivers)
             signature = signatures[delivers]
@@ -153,6 +156,12 @@ class Pending:
                 message = f"a converter with {len(signature.inputs)} inputs"
                 help_text = "a converter has one input; name it with `@Input TYPE`"
                 self._problems.note("MARS208", at, at, message, help_text)
+                continue
+            most = {"Done": 0, "Reset": 1}.get(service.kind, len(signature.inputs))
+            if len(signature.inputs) > most:
+                message = f"`@{service.kind}` for a function with inputs: {len(signature.inputs)}"
+                help_text = f"`{declaration.name}` is called {_CALLED[most]}"
+                self._problems.note("MARS216", at, at, message, help_text)
                 continue
             bound.append(
                 Service(
@@ -167,6 +176,7 @@ class Pending:
                     service.cost,
                     overrides.port,
                     signature.parameters,
+                    overrides.window_ms,
                 )
             )
         if declaration.conditional is not None and overrides.inputs is None:
@@ -193,6 +203,12 @@ def _read_service(directive: Directive, span: Span) -> Service | list[ArgumentPr
         return cost if isinstance(cost, list) else Service(kind, span, cost=cost)
     if kind == "DataIn":
         return Service(kind, span)
+    if kind in ("Done", "Reset"):
+        if rest := directive.rest:
+            message = f"expected nothing after `@{kind}`, found `{rest}`"
+            help_text = f"write `@{kind}` alone on a line"
+            return [ArgumentProblem("MARS126", message, help_text, 0, len(rest))]
+        return Service(kind, span, modes=_COMPLETED if kind == "Done" else ())
     delivery = read_delivery(directive.rest)
     if isinstance(delivery, list):
         return delivery

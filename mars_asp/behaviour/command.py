@@ -1,5 +1,6 @@
-"""The command of a controller to an effector: one of its functions, and a rate."""
+"""The commands of controllers to effectors: functions with rates."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from math import isfinite
 from typing import Literal, TypeAlias
@@ -39,6 +40,31 @@ class Command:
         if not isfinite(rate := float(self.rate)):
             raise ValueError(f"the rate of `{self.function}` must be finite, not {rate}")
         object.__setattr__(self, "rate", rate)
+
+
+def commanded(result: object, listed: Collection[str]) -> dict[str, float]:
+    """Return the result of a controller as a rate for each function that it names.
+
+    A controller whose annotation has several functions, `listed`, may name several of them.
+
+    Raises:
+        ValueError, TypeError: the result names functions that are not listed, or is not a command.
+    """
+    if len(listed) < 2:
+        command = command_of(result)
+        return {command.function: command.rate}
+    if not isinstance(result, dict) or not result:
+        result = dict([_pair(command_of(result))])
+    pairs = [_pair(command_of(pair)) for pair in result.items()]
+    for function, _ in pairs:
+        if function not in listed:
+            names = ", ".join(f"`{name}`" for name in listed)
+            raise ValueError(f"`{function}` is not in the annotation, which lists {names}")
+    return dict(pairs)
+
+
+def _pair(command: Command) -> tuple[str, float]:
+    return command.function, command.rate
 
 
 def command_of(result: object) -> Command:

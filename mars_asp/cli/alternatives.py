@@ -11,7 +11,7 @@ from mars_asp.cli.lines import location_json
 from mars_asp.cli.selection import Selection
 from mars_asp.cli.suggested_commands import command_on_one
 from mars_asp.cli.wrapping import cells, columns, compared, wrapped
-from mars_asp.model.declarations import Control, Data
+from mars_asp.model.declarations import Connection, Control, ends_of
 from mars_asp.output import counted, visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
@@ -189,13 +189,13 @@ def _relationships(found: Alternatives) -> str:
     """Return how the number of relationships is composed, in numbers that add up."""
     specification, declared = found.synthesis.specification, found.declared
     nodes = specification.nodes
-    lines = [r for r in specification.configuration.relationships if isinstance(r, Data | Control)]
+    lines = [r for r in specification.configuration.relationships if isinstance(r, Connection)]
     stand_ins = {node.name for node in nodes if node.stands_for is not None}
     outputs = sum(isinstance(line, Control) and line.controller in stand_ins for line in lines)
     fanned = outputs - len(stand_ins)
     kinds = ((node.name, specification.configuration.pack_kind(node.name)) for node in nodes)
     listeners = {name for name, kind in kinds if kind is not None and kind.outputs == "none"}
-    taken = (r.client if isinstance(r, Data) else r.controlled for r in lines)
+    taken = (ends_of(r)[0] for r in lines)
     heard = sum(name in listeners for name in taken) - len(listeners)
     shared = declared + len(nodes) + fanned + heard - len(lines)
     if not declared:

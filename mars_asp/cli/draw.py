@@ -21,7 +21,7 @@ from mars_asp.cli.inputs import (
 from mars_asp.cli.selection import Selection, add_selection
 from mars_asp.cli.wrapping import columns, wrapped
 from mars_asp.diagnostic import Diagnostic, refusal, whole_file
-from mars_asp.model.declarations import Data
+from mars_asp.model.declarations import ends_of, ports_of
 from mars_asp.model.names import end, read_end
 from mars_asp.output import visible
 from mars_asp.spelling import nearest
@@ -37,7 +37,14 @@ FORMATS = ("svg", "png", "dot", "mmd")
 #: The formats that are laid out here; other programs lay out the others.
 _PAINTED = ("svg", "png")
 #: Kinds of relationships, by the words of the command line.
-_KINDS: "Mapping[str, LineKind]" = {"data": "data", "control": "control", "mounts": "mount"}
+_KINDS: "Mapping[str, LineKind]" = {
+    "data": "data",
+    "control": "control",
+    "mounts": "mount",
+    "resets": "reset",
+    "locks": "lock",
+    "limits": "limit",
+}
 _DEPTH = 1
 
 
@@ -83,7 +90,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.format == "json" and arguments.kind is None and arguments.output == "-":
         advice = "leave out `--format json`, or type `mars-asp analyse FILE --format json`"
         return misuse("draw", f"a picture has no JSON: {advice}")
-    project = read_project(arguments)
+    project = read_project(arguments, quietly=True)
     configuration = project.configuration
     picture = _part(project, kind in _PAINTED, arguments)
     report_reading(project, arguments)
@@ -154,9 +161,8 @@ def _box_and_port(written: str, picture: "Picture", project: "Project") -> tuple
     # A module without a description has the ports that relationships name.
     ends = {*port_names(project).values()}
     for line in project.configuration.relationships:
-        if isinstance(line, Data):
-            both = ((line.source, line.source_port), (line.client, line.client_port))
-            ends |= {(of, name) for of, name in both if name is not None}
+        both = zip(ends_of(line), ports_of(line), strict=True)
+        ends |= {(of, name) for of, name in both if name is not None}
     ports = {end(*each): each for each in sorted(ends)}
     if (module, port) in ports.values() and visible(module) in names:
         return visible(module), port

@@ -80,6 +80,7 @@ def _service_json(service: Service) -> dict[str, object]:
         "hz": _json_number(service.hz),
         "port": service.port,
         "parameters": list(parameter_names(service)),
+        **({} if service.window_ms is None else {"window_ms": service.window_ms}),
     }
 
 
@@ -104,11 +105,14 @@ def module_lines(module: Module) -> Iterator[str]:
     yield f"{module.name} ({classes})  {module.span.path}:{module.span.line}"
     for service in module.services:
         words = [mode.text or mode.name for mode in service.modes] or list(service.commands)
+        words = [] if service.kind == "Done" else words
         rate = "" if service.hz is None else f" {as_written(service.hz)}"
         annotation = f"{service.kind} {', '.join(words)}".rstrip() + rate
         inputs = ", ".join(name or "?" for name in service.inputs)
-        output = "" if service.kind == "DataIn" else f" -> {service.output or '?'}"
+        output = "" if service.kind in ("DataIn", "Reset") else f" -> {service.output or '?'}"
         yield f"  {annotation}: {service.function}({inputs}){output}"
+        if service.window_ms is not None:
+            yield f"    Window {service.window_ms}"
     for function in module.functions:
         bounds = (function.min, function.max, function.rate)
         shown = " ".join("_" if value is None else str(_json_number(value)) for value in bounds)

@@ -20,7 +20,7 @@ from mars_asp.exchange.foreign import ForeignFile, read_foreign
 from mars_asp.exchange.recognise import recognised
 from mars_asp.language import Parsed, parse_text
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_text, unreadable
-from mars_asp.model.declarations import PackKind
+from mars_asp.model.declarations import VERBS, PackKind
 from mars_asp.output import counted, visible
 from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.launch_trees import analyse_trees
@@ -45,9 +45,7 @@ _PARTS = frozenset(
     ".cmake".split()
 )
 #: A relationship, or `@` at the start of the first line that is not a comment.
-_STATEMENT = re.compile(
-    r"\b(?:uses_data_from|is_controlled_by|is_mounted_on)\b|\A(?:\s*+(?:(?://|#).*+)?+)*+@"
-)
+_STATEMENT = re.compile(rf"\b(?:{'|'.join(VERBS)})\b|\A(?:\s*+(?:(?://|#).*+)?+)*+@")
 _CONFIGURATION = re.compile(r"(?m)^\s*@(?:configuration|specification|modules)\b")
 #: The files and folders that are robots.
 ROBOTS = (
@@ -221,7 +219,8 @@ def _parse(
     except MarsError as error:
         # Each line of another text is an error.
         is_other = len(error.diagnostics) > 1 and _STATEMENT.search(first.text) is None
-        if Path(path).suffix == ".mars" or not is_other:
+        is_meant = arguments.from_format == "mars" or Path(path).suffix == ".mars"
+        if is_meant or not is_other:
             raise
     message = f"`{path}` is not a robot: no line is a statement of a `.mars` file"
     help_text = f"{ROBOTS}; a source is read with the workspace that it lies in"

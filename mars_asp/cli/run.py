@@ -25,7 +25,7 @@ from mars_asp.cli.output_files import add_outputs, check_packages, recorded, wri
 from mars_asp.cli.progress import live_line
 from mars_asp.cli.realtime import live_view
 from mars_asp.cli.run_json import run_json
-from mars_asp.cli.run_text import print_traces, print_winners, run_line, run_text
+from mars_asp.cli.run_text import print_reasons, print_traces, print_winners, run_line, run_text
 from mars_asp.cli.schemas import add_schema
 from mars_asp.cli.trials import read_changes, run_trial, scenario_text, specified
 from mars_asp.cli.wrapping import columns, wrapped
@@ -47,7 +47,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--duration", metavar="SECONDS", type=positive)
     parser.add_argument("--speed", metavar="FACTOR", type=positive)
     parser.add_argument("--vary", metavar="KEY=VALUE", action="append", default=[])
-    add_flags(parser, "--explain", "--why", "--dry-run")
+    add_flags(parser, "--explain", "--why", "--why-not", "--dry-run")
     add_schema(parser, "scenarios", _scenario_schema)
     add_outputs(parser)
 
@@ -113,11 +113,20 @@ def run(arguments: argparse.Namespace) -> int:
         print(encoded(result))
     else:
         print(run_text(trial, judgement, arguments), end="")
-        if arguments.why:
-            print_winners(trial)
-        if arguments.explain:
-            print_traces(judgement)
+        _print_explanations(trial, judgement, arguments)
     return int(judgement.verdict != "pass")
+
+
+def _print_explanations(
+    trial: "Trial", judgement: "Judgement", arguments: argparse.Namespace
+) -> None:
+    if arguments.why:
+        print_winners(trial)
+        print_reasons(trial, losses=False)
+    if arguments.why_not:
+        print_reasons(trial, losses=True)
+    if arguments.explain:
+        print_traces(judgement)
 
 
 def _bound_functions(
@@ -164,9 +173,18 @@ def _never_begun(scenario: "Scenario") -> Iterator[Diagnostic]:
     """Yield a warning for each fault in a scenario that begins after its end."""
     from mars_asp.execution.scenario.contradictions import late_faults
 
-    for name, start in late_faults(scenario.faults, scenario.duration):
+    late = [
+        (f"faults.{name}", name, start)
+        for name, start in late_faults(scenario.faults, scenario.duration)
+    ]
+    late += (
+        (f"links.{number}.from", "{from} -> {to}".format(**entry), entry["since"])
+        for number, entry in enumerate(scenario.links)
+        if entry.get("since", 0) >= scenario.duration
+    )
+    for key, name, start in late:
         message = f"the fault of `{name}` begins at {start:g} s, after the end of this run"
-        place = scenario.places[f"faults.{name}"]
+        place = scenario.places[key]
         yield Diagnostic("scenario", "warning", message, place, (), "lengthen `--duration`")
 
 

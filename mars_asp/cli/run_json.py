@@ -81,9 +81,13 @@ def links_json(trial: "Trial") -> list[dict[str, Any]]:
 
     rates = {each.number: each.hz for each in promises(trial)}
     now = trial.executor.schedule.now
+    links = trial.executor.links
+    # Without lines of gates, resets, locks and limits, the kind is evident.
+    sided = any(link.kind not in ("data", "control") for link in links)
     return [
-        _link_json(trial, link, rates.get(number, 1e9 * link.before(Fraction(now)) / now))
-        for number, link in enumerate(trial.executor.links)
+        ({"kind": link.kind} if sided else {})
+        | _link_json(trial, link, rates.get(number, 1e9 * link.before(Fraction(now)) / now))
+        for number, link in enumerate(links)
     ]
 
 
@@ -114,4 +118,8 @@ def _failures_json(name: str, failures: "Failures") -> dict[str, object]:
 def speakers(trial: "Trial") -> Iterator[str]:
     """Yield the controllers that send commands, once for each link from them."""
     links, plan = trial.executor.links, trial.executor.plan
-    return (link.source for link in links if plan.kind(link.source) == "control_out")
+    return (
+        link.source
+        for link in links
+        if link.kind in ("control", "suppress") and plan.kind(link.source) == "control_out"
+    )

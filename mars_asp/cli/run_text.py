@@ -117,6 +117,18 @@ def print_winners(trial: "Trial") -> None:
             print("  no command arrived")
 
 
+def print_reasons(trial: "Trial", *, losses: bool) -> None:
+    """Print what Gates let pass and locks stopped, or what Gates kept back, with rule and line."""
+    from mars_asp.execution.judgement import reasons_of
+
+    found = reasons_of(trial, losses=losses)
+    if found:
+        print("\nkept back" if losses else "\nGates and locks")
+    for reason, span in found:
+        text = f"{reason.message}  [{reason.rule.id}] {span.path}:{span.line}"
+        print("\n".join(wrapped(visible(text), columns(sys.stdout), "  ", _BELOW_WINNER)))
+
+
 def print_traces(judgement: "Judgement") -> None:
     """Print why each requirement was violated."""
     from mars_asp.asp.trace.text import traces_text

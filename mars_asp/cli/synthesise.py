@@ -3,6 +3,7 @@
 import argparse
 import json
 import sys
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,7 +30,13 @@ from mars_asp.model.declarations import (
     Control,
     Conversion,
     Data,
+    Gating,
+    Limit,
+    Lock,
     Mount,
+    Relationship,
+    Reset,
+    Strategy,
 )
 from mars_asp.model.described import module_classes
 from mars_asp.model.rates import as_number
@@ -155,6 +162,7 @@ def synthesis_json(project: Project, found: Synthesis) -> dict[str, object]:
         "data": [_data_json(r) for r in relationships if isinstance(r, Data)],
         "control": [_control_json(r) for r in relationships if isinstance(r, Control)],
         "mounts": [_mount_json(r) for r in relationships if isinstance(r, Mount)],
+        **_side_lines_json(relationships),
         "cost": by_name(found.resolution.cost),
         "proven_minimal": found.resolution.proven,
         "optimal_count": found.resolution.count,
@@ -217,6 +225,32 @@ def _conversion_json(conversion: Conversion | None) -> dict[str, object]:
         "from": conversion.source,
         "to": conversion.target,
     }
+
+
+def _side_lines_json(relationships: Iterable[Relationship]) -> dict[str, list[object]]:
+    """Return the side lines by their kinds, or nothing if there are none of any kind."""
+    found: dict[str, list[object]] = {
+        kind: [] for kind in ("gates", "locks", "limits", "resets", "strategies")
+    }
+    for line in relationships:
+        match line:
+            case Gating(node, source, _, kind, ms, _, port):
+                entry = {"node": node, "source": source, "source_port": port}
+                found["gates"].append({**entry, "kind": kind, "ms": ms})
+            case Lock(controlled, source, _, priority, hold, port):
+                entry = {"controlled": controlled, "source": source, "source_port": port}
+                found["locks"].append({**entry, "priority": priority, "hold_ms": hold})
+            case Limit(controlled, source, _, hold, port):
+                entry = {"controlled": controlled, "source": source, "source_port": port}
+                found["limits"].append({**entry, "hold_ms": hold})
+            case Reset(module, source, _, port):
+                entry = {"module": module, "source": source, "source_port": port}
+                found["resets"].append(entry)
+            case Strategy(node, _, strategy, period):
+                found["strategies"].append(
+                    {"node": node, "strategy": strategy, "period_ms": period}
+                )
+    return found if any(found.values()) else {}
 
 
 def _data_json(data: Data) -> dict[str, object]:

@@ -119,4 +119,5 @@ def run_trial(
     trial = stage_trial(specification, modules, scenario, observe)
     for _ in run_realtime(trial, speed):
         show(trial)
+    trial.executor.finish()
     return trial, judge(trial, rulebook)

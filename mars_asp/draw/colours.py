@@ -3,12 +3,22 @@
 from mars_asp.diagnostic import Severity
 from mars_asp.draw.picture import Box, LineKind
 
-LINES: dict[LineKind, str] = {"mount": "#6b6b6b", "data": "#0072b2", "control": "#c04f00"}
+LINES: dict[LineKind, str] = {
+    "mount": "#6b6b6b",
+    "data": "#0072b2",
+    "control": "#c04f00",
+    "reset": "#00735a",
+    "lock": "#8f3a80",
+    "limit": "#8f3a80",
+}
 #: The text of a legend for each kind of line, in the direction of the line.
 MEANINGS: dict[LineKind, str] = {
     "mount": "is mounted on",
     "data": "data flows",
     "control": "control flows",
+    "reset": "resets (R)",
+    "lock": "locks",
+    "limit": "limits",
 }
 INK, QUIET = "#1a1a1a", "#5a5a5a"
 #: Of findings: text and outline, and a halo of lines, which is lighter than any line.

@@ -1,12 +1,16 @@
 """A picture in the language of Graphviz."""
 
 from mars_asp.draw.colours import LINES, box_colours
+from mars_asp.draw.graphviz import PORTS
 from mars_asp.draw.picture import Box, Line, LineKind, Picture, numbers
 
 _STYLES: dict[LineKind, str] = {
     "mount": "penwidth=3, arrowhead=dot",
     "data": "arrowhead=normal",
     "control": "style=dashed, arrowhead=normal",
+    "reset": "style=dotted, arrowhead=normal",
+    "lock": "style=dotted, arrowhead=normal",
+    "limit": "style=dotted, arrowhead=normal",
 }
 _ESCAPES = str.maketrans({"\\": "\\\\", '"': '\\"', "&": "&amp;"})
 
@@ -32,6 +36,7 @@ def quoted(*lines: str) -> str:
 def _box(box: Box) -> str:
     fill, stroke = box_colours(box)
     shape = "box" if box.node is None else 'box, style="filled,rounded"'
+    shape = "circle" if box.node == "gate_node" else shape
     label = quoted(box.name, box.note, numbers(box.findings))
     width = ", penwidth=3" if box.findings else ""
     return f'label={label}, shape={shape}, fillcolor="{fill}", color="{stroke}"{width}'
@@ -41,4 +46,6 @@ def _dot_style(line: Line) -> str:
     colour = LINES[line.kind]
     text = quoted(*line.label.split("\n"), numbers(line.findings))
     label = f'label={text}, fontcolor="{colour}", ' if text != quoted() else ""
-    return f'{label}color="{colour}", {_STYLES[line.kind]}'
+    style = _STYLES[line.kind] if line.sign is None else "style=dotted, arrowhead=normal"
+    foot = ', headlabel="R"' if line.end == "foot" else ""
+    return f'{label}color="{colour}", {style}{PORTS[line.end]}{foot}'

@@ -3,10 +3,13 @@
 import json
 import shutil
 import subprocess
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from mars_asp.draw.layered import NEAR, Drawing, LayeredEdge, Point, Route, Size
+from mars_asp.draw.picture import LinkEnd
 
+#: Attributes of edges by the part of a box at which they end.
+PORTS: Mapping[LinkEnd, str] = {"top": "", "side": ", headport=e", "foot": ", headport=s"}
 #: Graphviz measures boxes in inches of so many px.
 _INCH = 72
 
@@ -64,5 +67,5 @@ def _graph(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> Iterator[str]
             size = f'fixedsize="true" width="{width + 8:.0f}" height="{height:.0f}"'
             table = f'<table border="0" cellborder="0" {size}><tr><td></td></tr></table>'
             label = f", label=<{table}>"
-        yield f"{link.tail} -> {link.head} [id={index}, arrowhead=none{label}];"
+        yield f"{link.tail} -> {link.head} [id={index}, arrowhead=none{PORTS[link.end]}{label}];"
     yield "}"

@@ -9,9 +9,10 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import accumulate, pairwise
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from mars_asp.draw.order import order_layers
+from mars_asp.draw.picture import LinkEnd
 from mars_asp.draw.ranks import rank_boxes
 from mars_asp.draw.straighten import Pull, straighten
 
@@ -28,6 +29,8 @@ STUB = 9.0
 BEND, MOST_BEND, BEND_SLOPE = 14.0, 60.0, 0.08
 #: The height for each link from a box to itself, at the right side of the box.
 LOOP, _LOOP_WIDTH = 21.0, 34.0
+#: The distance from a box, and from each other, of links that end at its side or foot.
+_BESIDE = 22.0
 #: Each takes about a third of a millisecond.
 _MOST_PIECES = 60_000
 
@@ -36,13 +39,15 @@ _MOST_PIECES = 60_000
 class LayeredEdge:
     """A link between two boxes, by their indices, with the size of its label if it has one.
 
-    Links with a `rank` arrive at their head in this order, from left to right.
+    Links with a `rank` arrive at their head in this order, from left to right. `end` is the part
+    of the head at which a link ends; at the top only if it leads down.
     """
 
     tail: int
     head: int
     label: Size | None = None
     rank: int | None = None
+    end: LinkEnd = "top"
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,9 +105,11 @@ def draw_layered(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> Drawing
     order_layers(layers, pairs, [each for each in ranks.values() if len(set(each.values())) > 1])
     place = {vertex: index for layer in layers for index, vertex in enumerate(layer)}
     widths = [width for width, _ in split.sizes]
-    ports = _port_offsets(chains, place, widths)
+    turned = [links[index].head == chain[0] for index, chain in zip(between, chains, strict=True)]
+    passing = _passing(links, between, chains, turned, place)
+    ports = _port_offsets(chains, passing, turned, place, widths)
     pulls: dict[int, list[Pull]] = defaultdict(list)
-    for chain, (leaving, arriving) in zip(chains, ports, strict=True):
+    for chain, (leaving, arriving, _) in zip(chains, ports, strict=True):
         last = len(chain) - 2
         for step, (u, v) in enumerate(pairwise(chain)):
             offset = (leaving if step == 0 else 0.0) - (arriving if step == last else 0.0)
@@ -112,6 +119,9 @@ def draw_layered(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> Drawing
             pulls[v].append(Pull(u, offset, weight, False))
             pulls[u].append(Pull(v, -offset, weight, True))
     aside = _widths_with_loops(sizes, links)
+    for index, each in passing.items():
+        box = links[between[index]].head
+        aside[box] = max(aside[box], sizes[box][0] + 2 * _BESIDE * each.order)
     spaces = [*aside, *widths[len(aside) :]]
     distances = [
         [_distance(u, v, spaces, len(sizes)) for u, v in pairwise(layer)] for layer in layers
@@ -123,11 +133,16 @@ def draw_layered(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> Drawing
     bands = _bands(split, xs)
     centres = [(x, (bands[v][0] + bands[v][1]) / 2) for v, x in enumerate(xs)]
     routes: dict[int, Route] = {}
-    for index, chain, port, named in zip(between, chains, ports, split.named, strict=True):
+    for step, (index, chain, port) in enumerate(zip(between, chains, ports, strict=True)):
         points = _way(chain, port, centres, split.sizes, bands)
-        backwards = links[index].tail != chain[0]
+        points = points[::-1] if turned[step] else points
+        named, head = split.named[step], links[index].head
         label = None if named is None else centres[named]
-        routes[index] = Route(_curve(points[::-1] if backwards else points), label)
+        if step in passing:
+            turn = _last_part(passing[step], points[-2], port[2], centres[head], sizes[head])
+            routes[index] = Route((*_curve(points[:-1]), *turn), label)
+        else:
+            routes[index] = Route(_curve(points), label)
     loops = defaultdict(list)
     for index, link in enumerate(links):
         if link.tail == link.head:
@@ -200,21 +215,106 @@ def _distance(u: int, v: int, widths: Sequence[float], boxes: int) -> float:
     return (widths[u] + widths[v]) / 2 + (LINES if thin else NEAR)
 
 
+class _Passing(NamedTuple):
+    """A link beside its head: to the right (1) or left (-1), and its order outwards from 1.
+
+    `share` is the height at which it ends, from the top of the side (0) to its bottom (1); a link
+    to the foot has none.
+    """
+
+    side: int
+    order: int
+    share: float | None
+
+
+def _passing(
+    links: Sequence[LayeredEdge],
+    between: Sequence[int],
+    chains: Sequence[Sequence[int]],
+    turned: Sequence[bool],
+    place: Mapping[int, int],
+) -> dict[int, _Passing]:
+    """Return the links that pass their head: to its side, or down and up to its foot."""
+    beside: dict[tuple[int, bool], list[int]] = defaultdict(list)
+    places: dict[tuple[int, bool], list[int]] = defaultdict(list)
+    for step, (index, chain) in enumerate(zip(between, chains, strict=True)):
+        places[chain[0], True].append(place[chain[1]])
+        places[chain[-1], False].append(place[chain[-2]])
+        end = links[index].end
+        if end == "side" or (end == "foot" and not turned[step]):
+            beside[links[index].head, turned[step]].append(step)
+    # Links from a box to itself are at its right side.
+    looped = {link.head for link in links if link.head == link.tail}
+    found: dict[int, _Passing] = {}
+    for (head, from_below), steps in beside.items():
+        near = 1 if from_below else -2
+        others = list(places[head, from_below])
+        for step in steps:
+            others.remove(place[chains[step][near]])
+        sides: dict[int, list[tuple[bool, int, int]]] = {1: [], -1: []}
+        for step in steps:
+            at = place[chains[step][near]]
+            right = 2 * sum(other < at for other in others) >= len(others)
+            side = 1 if right and head not in looped else -1
+            sides[side].append((links[between[step]].end == "foot", side * at, step))
+        for side, ordered in sides.items():
+            for order, (at_foot, _, step) in enumerate(sorted(ordered), 1):
+                share = order / (len(ordered) + 1)
+                # Those from below end in the lower half, and those from above in the upper one.
+                both = (head, not from_below) in beside
+                share = share / 2 if both else share
+                share = 1 - share if from_below else share
+                found[step] = _Passing(side, order, None if at_foot else share)
+    return found
+
+
 def _port_offsets(
-    chains: Sequence[Sequence[int]], place: Mapping[int, int], widths: Sequence[float]
-) -> list[tuple[float, float]]:
-    """Return for each link its offsets from the centres of the boxes at its two ends."""
-    below, above = defaultdict(list), defaultdict(list)
+    chains: Sequence[Sequence[int]],
+    passing: Mapping[int, _Passing],
+    turned: Sequence[bool],
+    place: Mapping[int, int],
+    widths: Sequence[float],
+) -> list[tuple[float, float, float]]:
+    """Return for each link its offsets from the centres of the boxes at its two ends.
+
+    The third is where a link that passes its head turns up to the foot.
+    """
+    below: dict[int, list[tuple[float, int, int]]] = defaultdict(list)
+    above: dict[int, list[tuple[float, int, int]]] = defaultdict(list)
+    found = [[0.0, 0.0, 0.0] for _ in chains]
     for index, chain in enumerate(chains):
-        below[chain[0]].append((place[chain[1]], index))
-        above[chain[-1]].append((place[chain[-2]], index))
-    found = [[0.0, 0.0] for _ in chains]
-    for side, boxes in enumerate((below, above)):
+        beside = passing.get(index)
+        if beside is None or not turned[index]:
+            below[chain[0]].append((place[chain[1]], index, 0))
+        if beside is None or turned[index]:
+            above[chain[-1]].append((place[chain[-2]], index, 1))
+        if beside is not None:
+            head = chain[0 if turned[index] else -1]
+            out = beside.side * (widths[head] / 2 + _BESIDE * beside.order - _BESIDE / 4)
+            found[index][0 if turned[index] else 1] = out
+            if beside.share is None:
+                # The outer ones turn up further inside.
+                below[head].append((beside.side * (len(place) - beside.order), index, 2))
+    for boxes in (below, above):
         for box, ends in boxes.items():
             step = min(PORT, (widths[box] - PORT) / len(ends))
-            for order, (_, index) in enumerate(sorted(ends)):
-                found[index][side] = (order - (len(ends) - 1) / 2) * step
-    return [(leaving, arriving) for leaving, arriving in found]
+            for order, (_, index, port) in enumerate(sorted(ends)):
+                found[index][port] = (order - (len(ends) - 1) / 2) * step
+    return [(leaving, arriving, foot) for leaving, arriving, foot in found]
+
+
+def _last_part(
+    passing: _Passing, start: Point, foot: float, centre: Point, size: Size
+) -> tuple[Point, ...]:
+    """Return the curves from a point beside a box to its side, or on down and up to its foot."""
+    (x, _), (u, v), (width, height) = start, centre, size
+    if passing.share is not None:
+        bend = x, v + (passing.share - 0.5) * height
+        return bend, bend, (u + passing.side * width / 2, bend[1])
+    low = v + height / 2
+    deep = low + (2 + passing.order / 2) * STUB
+    at = u + foot
+    return (x, low), (x, low), (x, low), (x, deep), (at, deep), (at, low)
 
 
 def _bands(split: _Layers, xs: Sequence[float]) -> list[tuple[float, float]]:
@@ -234,7 +334,7 @@ def _bands(split: _Layers, xs: Sequence[float]) -> list[tuple[float, float]]:
 
 def _way(
     chain: Sequence[int],
-    port: tuple[float, float],
+    port: tuple[float, float, float],
     centres: Sequence[Point],
     sizes: Sequence[Size],
     bands: Sequence[tuple[float, float]],

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from mars_asp.draw.colours import INK, LINES, MEANINGS, QUIET, box_colours
 from mars_asp.draw.layered import Point, Route
-from mars_asp.draw.picture import Box, Line, LineKind, NumberedFinding, Picture
+from mars_asp.draw.picture import EFFECTS, SIGNS, Box, Line, LineKind, NumberedFinding, Picture
 from mars_asp.draw.shapes import (
     NOTE,
     draw_badge,
@@ -15,6 +15,7 @@ from mars_asp.draw.shapes import (
     draw_text,
     text_width,
 )
+from mars_asp.model.declarations import Sign
 
 ROW = 26.0
 _SAMPLE, _SPACE, _APART = 40.0, 12.0, 22.0
@@ -26,7 +27,7 @@ class Item:
     """An entry of the legend: a sample and its meaning."""
 
     meaning: str
-    sample: Box | LineKind
+    sample: Box | Line
 
     @property
     def width(self) -> float:
@@ -48,8 +49,19 @@ def legend_items(picture: Picture) -> list[Item]:
         # A node with a colour is of a pack, and its kind explains it best.
         kind = (box.node or "").replace("_", " ")
         items.append(Item(kind if box.colour else f"introduced for {box.carries}", box))
-    present = {line.kind for line in picture.lines}
-    return items + [Item(MEANINGS[kind], kind) for kind in LINES if kind in present]
+    present = {line.kind for line in picture.lines if line.sign is None}
+    items += [_line_item(MEANINGS[kind], kind) for kind in LINES if kind in present]
+    triggers = {(line.kind, line.sign) for line in picture.lines if line.sign is not None}
+    return items + [
+        _line_item(f"{EFFECTS[sign]} ({letter})", kind, sign)
+        for kind in LINES
+        for sign, letter in SIGNS.items()
+        if (kind, sign) in triggers
+    ]
+
+
+def _line_item(meaning: str, kind: LineKind, sign: Sign | None = None) -> Item:
+    return Item(meaning, Line(kind, 0, 0, "", meaning, sign=sign))
 
 
 def legend_width(items: Sequence[Item]) -> float:
@@ -76,7 +88,7 @@ def draw_row(row: Sequence[Item], corner: Point) -> Iterator[str]:
             yield draw_outline(item.sample, (x, y - 8), (_SAMPLE, 16.0))
         else:
             a, b = (x, y), (x + _SAMPLE, y)
-            yield draw_line(Line(item.sample, 0, 0, "", item.meaning), Route((a, a, b, b), None))
+            yield draw_line(item.sample, Route((a, a, b, b), None))
         yield draw_text(item.meaning, (x + _SAMPLE + _SPACE, y), NOTE, QUIET)
         x += item.width
 

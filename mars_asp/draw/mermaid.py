@@ -3,8 +3,14 @@
 from mars_asp.draw.colours import LINES, box_colours
 from mars_asp.draw.picture import Box, Line, LineKind, Picture, numbers
 
-_ARROWS: dict[LineKind, str] = {"mount": "===", "data": "-->", "control": "-.->"}
-_WIDTHS: dict[LineKind, str] = {"mount": "3px", "data": "1.6px", "control": "1.6px"}
+_ARROWS: dict[LineKind, str] = {
+    "mount": "===",
+    "data": "-->",
+    "control": "-.->",
+    "reset": "-.->",
+    "lock": "-.->",
+    "limit": "-.->",
+}
 _PLAIN = frozenset(" ()[]{}.,:+-=/_→…")
 
 
@@ -22,7 +28,7 @@ def mermaid_text(picture: Picture) -> str:
         width = ",stroke-width:3px" if box.findings else ""
         parts.append(f"  style n{index} fill:{fill},stroke:{stroke},color:#1a1a1a{width}")
     for index, line in enumerate(picture.lines):
-        colour, width = LINES[line.kind], _WIDTHS[line.kind]
+        colour, width = LINES[line.kind], "3px" if line.kind == "mount" else "1.6px"
         parts.append(f"  linkStyle {index} stroke:{colour},stroke-width:{width},color:{colour}")
     return "\n".join(parts) + "\n"
 
@@ -38,10 +44,14 @@ def _code(character: str) -> str:
 
 def _box(box: Box) -> str:
     text = quoted(box.name, box.note, numbers(box.findings))
+    if box.node == "gate_node":
+        return f"(({text}))"
     return f"[{text}]" if box.node is None else f"([{text}])"
 
 
 def _mermaid_edge(line: Line) -> str:
-    text = quoted(*line.label.split("\n"), numbers(line.findings))
+    letter = "R" if line.end == "foot" else ""
+    text = quoted(*line.label.split("\n"), letter, numbers(line.findings))
     label = f"|{text}|" if text != quoted() else ""
-    return f"  n{line.tail} {_ARROWS[line.kind]}{label} n{line.head}"
+    arrow = _ARROWS["control" if line.sign else line.kind]
+    return f"  n{line.tail} {arrow}{label} n{line.head}"

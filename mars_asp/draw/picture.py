@@ -1,6 +1,6 @@
 """The content of a diagram: a box for each module and node, a line for each relationship."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal, TypeAlias
@@ -13,18 +13,30 @@ from mars_asp.model.declarations import (
     Control,
     Conversion,
     Data,
+    Gating,
+    Limit,
+    Lock,
     Module,
     Mount,
     Relationship,
+    Reset,
+    Sign,
+    Strategy,
     Transformation,
     ends_of,
+    ports_of,
 )
 from mars_asp.model.described import module_classes
 from mars_asp.model.ports import inputs, outputs
 from mars_asp.model.rates import as_written
 from mars_asp.output import visible
 
-LineKind: TypeAlias = Literal["mount", "data", "control"]
+#: The part of a box at which a link ends.
+LinkEnd: TypeAlias = Literal["top", "side", "foot"]
+LineKind: TypeAlias = Literal["mount", "data", "control", "reset", "lock", "limit"]
+#: Letters of Gates in a line, after Brooks.
+SIGNS: Mapping[Sign, str] = {"suppress": "S", "inhibit": "I"}
+EFFECTS: Mapping[Sign, str] = {"suppress": "suppresses", "inhibit": "inhibits"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +88,7 @@ class Line:
     Mounts lead from the mounting module to its carrier. `label` may have several lines, `text` is
     the relationship as written. `outlet` and `inlet` are the ports of data, which may be None where
     there is only one. `rank` is the priority of a controller, `span` the location of the
-    relationship.
+    relationship, `sign` the effect of a trigger.
     """
 
     kind: LineKind
@@ -89,6 +101,14 @@ class Line:
     rank: int | None = None
     span: Span | None = None
     findings: tuple[NumberedFinding, ...] = ()
+    sign: Sign | None = None
+
+    @property
+    def end(self) -> LinkEnd:
+        """The part of the box at its head where it ends."""
+        if self.kind == "reset":
+            return "foot"
+        return "side" if self.sign or self.kind in ("lock", "limit") else "top"
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,12 +144,22 @@ def depict(
     for relationship in configuration.relationships:
         names |= dict.fromkeys(_relationship_ends(relationship))
     introduces = configuration.kind == "specification"
+    notes = dict(_gate_notes(configuration))
+    strategies = dict(_strategies(configuration))
     joined = {name for line in configuration.relationships for name in _relationship_ends(line)}
     unread = {name.text for name in configuration.opaque}
     boxes = [
         Box(
             _one_line(name),
-            _module_note(described.get(name), conversions.get(name), classes),
+            ", ".join(
+                filter(
+                    None,
+                    (
+                        notes.get(name, strategies.get(name)),
+                        _module_note(described.get(name), conversions.get(name), classes),
+                    ),
+                )
+            ),
             *(
                 _node_look(name, configuration)
                 if introduces and name not in described
@@ -140,9 +170,11 @@ def depict(
         for name in names
     ]
     number = {name: index for index, name in enumerate(names)}
+    commanding = frozenset(_commanding(configuration, described))
     lines = [
-        _picture_line(relationship, number, described)
+        _picture_line(relationship, number, described, notes, commanding)
         for relationship in configuration.relationships
+        if not isinstance(relationship, Strategy)
     ]
     declared = f"{configuration.architecture} " if configuration.declares_architecture else ""
     return Picture(f"{declared}{configuration.kind}", tuple(boxes), tuple(lines))
@@ -156,7 +188,46 @@ def _node_look(
     brought = next((each for each in configuration.kinds if each.kind == kind), None)
     if brought is not None:
         return kind, brought.colour, brought.carries
+    if kind == "gate_node":
+        gated = any(
+            isinstance(line, Control) and line.controlled == name
+            for line in configuration.relationships
+        )
+        return kind, None, "control" if gated else "data"
     return kind, None, kind and ("data" if kind.startswith("data") else "control")
+
+
+def _strategies(configuration: Configuration) -> Iterator[tuple[str, str]]:
+    """Yield for modules and nodes how their controllers are arbitrated."""
+    for line in configuration.relationships:
+        if isinstance(line, Strategy):
+            period = f", period {line.period_ms} ms" if line.period_ms is not None else ""
+            yield line.controlled, f"{line.strategy} arbitration{period}"
+
+
+def _gate_notes(configuration: Configuration) -> Iterator[tuple[str, str]]:
+    """Yield each gate with the signs of its triggers."""
+    signs: dict[str, set[Sign]] = {}
+    if configuration.kind != "specification":
+        return
+    for line in configuration.relationships:
+        if isinstance(line, Gating) and configuration.node_kind(line.gated) == "gate_node":
+            signs.setdefault(line.gated, set()).add(line.sign)
+    for gate, found in signs.items():
+        yield gate, "/".join(letter for sign, letter in SIGNS.items() if sign in found)
+
+
+def _commanding(configuration: Configuration, described: Mapping[str, Module]) -> Iterator[str]:
+    """Yield the modules and gates whose name alone means their commands."""
+    for line in configuration.relationships:
+        if isinstance(line, Control):
+            if configuration.node_kind(line.controlled) == "gate_node":
+                yield line.controlled
+            if line.controller not in described:
+                yield line.controller
+    for name, module in described.items():
+        if "control_out_algorithm" in module_classes(module):
+            yield name
 
 
 def _relationship_ends(relationship: Relationship) -> tuple[str, str]:
@@ -166,9 +237,16 @@ def _relationship_ends(relationship: Relationship) -> tuple[str, str]:
 
 
 def _picture_line(
-    relationship: Relationship, number: Mapping[str, int], described: Mapping[str, Module]
+    relationship: Mount | Control | Data | Gating | Reset | Lock | Limit,
+    number: Mapping[str, int],
+    described: Mapping[str, Module],
+    notes: Mapping[str, str],
+    commanding: Set[str],
 ) -> Line:
-    outlet = inlet = rank = None
+    """Return the line of a relationship; `notes` are those of gates, `commanding` send commands."""
+    inlet, outlet = ports_of(relationship)
+    rank, sign = None, None
+    ports = " → ".join(dict.fromkeys(port for port in (outlet, inlet) if port is not None))
     tail, head = (number[name] for name in _relationship_ends(relationship))
     kind: LineKind
     match relationship:
@@ -190,17 +268,33 @@ def _picture_line(
             label = [relationship.topic or "", " ".join(words)]
         case Data():
             kind = "data"
-            ports = relationship.source_port, relationship.client_port
-            outlet = ports[0] or _only_port(described.get(relationship.source), outputs)
-            inlet = ports[1] or _only_port(described.get(relationship.client), inputs)
-            label = [" → ".join(dict.fromkeys(port for port in ports if port is not None))]
+            outlet = outlet or _only_port(described.get(relationship.source), outputs)
+            inlet = inlet or _only_port(described.get(relationship.client), inputs)
+            label = [ports]
             if relationship.hz is not None:
                 label.append(_rate_label(relationship.hz))
             elif relationship.mode is not None:
                 label.append(relationship.mode.text)
+        case Gating(gated):
+            kind = "control" if relationship.port is None and gated in commanding else "data"
+            sign = relationship.sign
+            # The note of a gate has the sign of all its triggers, unless there are two.
+            word = EFFECTS[sign] if gated not in notes else SIGNS[sign] * ("/" in notes[gated])
+            label = [ports, f"{word} {relationship.ms} ms"]
+        case Reset():
+            kind, label = "reset", [ports]
+        case Lock():
+            below = "" if relationship.priority is None else f" below {relationship.priority}"
+            kind, label = "lock", [ports, f"locks{below}", _hold(relationship.hold_ms)]
+        case Limit():
+            kind, label = "limit", [ports, "limits", _hold(relationship.hold_ms)]
     text = _one_line(print_relationship(relationship))
     shown = "\n".join(filter(None, map(_one_line, label)))
-    return Line(kind, tail, head, shown, text, outlet, inlet, rank, relationship.span)
+    return Line(kind, tail, head, shown, text, outlet, inlet, rank, relationship.span, sign=sign)
+
+
+def _hold(ms: int | None) -> str:
+    return "" if ms is None else f"hold {ms} ms"
 
 
 def _in_words(transformation: Transformation) -> list[str]:

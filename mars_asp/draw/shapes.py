@@ -2,7 +2,8 @@
 
 import html
 import unicodedata
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
+from math import hypot
 
 from mars_asp.draw.colours import FINDINGS, INK, LINES, QUIET, box_colours
 from mars_asp.draw.layered import LOOP, PORT, Point, Route, Size
@@ -16,15 +17,21 @@ _LEADING = 13.0
 _MOST_CHARACTERS = 48
 #: A box is not made wider for more lines than these.
 _MOST_SPREAD = 40
+#: Of the letter at the end of a reset.
+_RADIUS = 7.5
 #: A box shows no more numbers of findings; its attribute has all.
 _MOST_NUMBERS = 5
 #: Characters beside control characters that XML does not allow.
 _NOT_XML = str.maketrans(dict.fromkeys("\ufffe\uffff", "\ufffd"))
 _NARROW, _WIDE = frozenset("ijlIft.,:;'|!()[] "), frozenset("mwMW@%")
+_DOTTED = 'stroke-dasharray="2 3"'
 _STROKES: dict[LineKind, str] = {
     "mount": 'stroke-width="3.2" stroke-linecap="round"',
     "data": 'stroke-width="1.6" marker-end="url(#data)"',
     "control": 'stroke-width="1.6" stroke-dasharray="7 4" marker-end="url(#control)"',
+    "reset": f'stroke-width="1.6" {_DOTTED}',
+    "lock": f'stroke-width="1.6" {_DOTTED} marker-end="url(#lock)"',
+    "limit": f'stroke-width="1.6" {_DOTTED} marker-end="url(#limit)"',
 }
 
 
@@ -59,6 +66,9 @@ def box_size(box: Box, lines: int, loops: int) -> Size:
     if box.alone:
         return text_width(_short(box.name), NOTE) + 16 + badge, 22.0
     wide = max(text_width(_short(box.name), NAME), text_width(_short(box.note), NOTE)) + badge
+    if box.node == "gate_node":
+        width = max(44.0, wide + 14)
+        return width, width
     spread = (min(lines, _MOST_SPREAD) + 1) * PORT
     return max(64.0, wide + 26, spread), max(46.0 if box.note else 34.0, loops * LOOP)
 
@@ -77,9 +87,9 @@ def badge_width(findings: Sequence[NumberedFinding]) -> float:
     return text_width(_numbers(findings), LABEL) + 14 if findings else 0.0
 
 
-def draw_markers() -> Iterator[str]:
-    """Yield SVG definitions of arrow heads."""
-    for kind in ("data", "control"):
+def draw_markers(kinds: Set[LineKind]) -> Iterator[str]:
+    """Yield SVG definitions of the arrow heads of data, control and other kinds of lines."""
+    for kind in ("data", "control", *sorted(kinds - {"data", "control", "mount", "reset"})):
         yield (
             f'<marker id="{kind}" viewBox="0 0 10 10" refX="9.5" refY="5" markerWidth="9" '
             f'markerHeight="9" markerUnits="userSpaceOnUse" orient="auto">'
@@ -98,6 +108,9 @@ def draw_box(box: Box, centre: Point, size: Size) -> Iterator[str]:
     x += badge_width(box.findings) / 2
     if box.alone:
         yield draw_text(box.name, (x, y), NOTE, QUIET, "middle")
+    elif box.node == "gate_node":
+        yield draw_text(box.note, (x, y - 6), NAME, INK, "middle")
+        yield draw_text(box.name, (x, y + 9), NOTE, QUIET, "middle")
     else:
         yield draw_text(box.name, (x, y - 7.5 if box.note else y), NAME, INK, "middle")
         if box.note:
@@ -151,16 +164,32 @@ def draw_line(line: Line, route: Route) -> str:
     )
     colour = LINES[line.kind]
     way = f'<path d="M{_pair((x, y))}{curves}" fill="none" stroke='
-    path = f'{way}"{colour}" {_STROKES[line.kind]}/>'
+    strokes = _STROKES[line.kind]
+    if line.sign is not None:
+        strokes = f'stroke-width="1.6" {_DOTTED} marker-end="url(#{line.kind})"'
+    path = f'{way}"{colour}" {strokes}/>'
     if line.findings:
         halo = FINDINGS[gravest(line.findings)][1]
         path = f'{way}"{halo}" stroke-width="9" stroke-linecap="round"/>{path}'
     if line.kind == "mount":
         x, y = route.points[-1]
         path += f'<circle cx="{plain(x)}" cy="{plain(y)}" r="5" fill="{colour}"/>'
+    if line.kind == "reset":
+        at = _before_end(route.points)
+        circle = f'<circle cx="{plain(at[0])}" cy="{plain(at[1])}" r="{plain(_RADIUS)}"'
+        path += f'{circle} fill="#ffffff" stroke="{colour}"/>'
+        path += draw_text("R", at, LABEL, colour, "middle")
     label = "" if route.label is None else _label(line, route.label)
     classes = _classes(line.kind, line.findings)
     return f"<g {classes}><title>{escaped(line.text)}</title>{path}{label}</g>"
+
+
+def _before_end(points: Sequence[Point]) -> Point:
+    """Return the centre of a letter that touches the end of a line."""
+    x, y = points[-1]
+    u, v = next((point for point in reversed(points) if point != (x, y)), (x, y + 1))
+    share = _RADIUS / (hypot(u - x, v - y) or 1.0)
+    return x + (u - x) * share, y + (v - y) * share
 
 
 def _label(line: Line, at: Point) -> str:

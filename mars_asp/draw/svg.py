@@ -90,7 +90,7 @@ def svg_text(
         f'viewBox="0 0 {plain(width)} {plain(height)}" font-family="{FONT}" role="{role}">',
         f"<title>{escaped(picture.title)}</title>",
         "<defs>",
-        *draw_markers(),
+        *draw_markers({line.kind for line in picture.lines}),
         "</defs>",
         '<rect width="100%" height="100%" fill="#ffffff"/>',
         f'<g class="picture" transform="translate({plain(corner)} {plain(_MARGIN)})">',
@@ -141,7 +141,7 @@ def _laid_out(picture: Picture, layout: Layout) -> _Arrangement:
     joined = [index for index, box in enumerate(picture.boxes) if not box.alone]
     number = {index: place for place, index in enumerate(joined)}
     links = [
-        LayeredEdge(number[line.tail], number[line.head], label_size(line), line.rank)
+        LayeredEdge(number[line.tail], number[line.head], label_size(line), line.rank, line.end)
         for line in picture.lines
     ]
     drawing = layout([sizes[index] for index in joined], links)

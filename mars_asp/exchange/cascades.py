@@ -20,12 +20,12 @@ def is_plain(mux: Mux) -> bool:
 def merged(outer: Mux, slot: MuxInput, inner: Mux) -> Mux | None:
     """Return `outer` with the inputs of `inner` in place of its input `slot`; None if impossible.
 
-    It is impossible if the engines differ, `inner` is not plain, another input has the priority of
-    `slot`, or a priority would be too high.
+    It is impossible if the engines differ, a mux has locks (they state numbers of one mux), `inner`
+    is not plain, another input has the priority of `slot`, or a priority would be too high.
     """
     ties = sum(each.priority == slot.priority for each in outer.inputs) > 1
     ranks = sorted({each.priority for each in inner.inputs}) or [slot.priority]
-    if ties or outer.engine != inner.engine or not is_plain(inner):
+    if ties or outer.engine != inner.engine or not is_plain(inner) or outer.locks or inner.locks:
         return None
     higher = [each.priority for each in outer.inputs if each.priority > slot.priority]
     lower = [each.priority for each in outer.inputs if each.priority < slot.priority]

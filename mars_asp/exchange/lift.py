@@ -17,6 +17,7 @@ from mars_asp.model.declarations import (
     Control,
     Data,
     Inner,
+    Lock,
     Muxed,
     Name,
     NodeKind,
@@ -68,6 +69,8 @@ def _through_muxes(
         if mux.numbers:
             places[mux.module] = dict(_arbiter_lines(mux, name, name_inner, lines))
     for line in configuration.relationships:
+        if isinstance(line, Lock) and line.controlled in arbiters:
+            line = replace(line, controlled=arbiters[line.controlled])  # noqa: PLW2901
         if isinstance(line, Control) and line.controlled in arbiters:
             here = arbiters[line.controlled], line.priority
             arbiter, number = places.get(line.controlled, {}).get(line.priority, here)
@@ -97,6 +100,9 @@ def _arbiter_lines(
 def _with_ends(lines: Iterable[Relationship], names: Mapping[str, str]) -> Iterator[Relationship]:
     """Yield relationships with ends renamed by `names`; one from a module to itself is left out."""
     for line in lines:
+        if isinstance(line, Lock):
+            yield replace(line, controlled=names.get(line.controlled, line.controlled))
+            continue
         if not isinstance(line, Control):
             yield line
             continue
@@ -231,11 +237,14 @@ def _copied(lines: Sequence[Relationship], nodes: _Nodes) -> Iterator[Relationsh
 
     An output needs one if it has several readers, or one reader at a lower rate.
     """
-    takers = Counter((line.source, line.source_port) for line in lines if isinstance(line, Data))
+    takers = Counter(
+        (line.source, line.source_port) for line in lines if isinstance(line, Data | Lock)
+    )
     splitters: dict[tuple[str, str | None], str] = {}
     for line in lines:
-        if not isinstance(line, Data) or (
-            takers[line.source, line.source_port] == 1 and line.hz is None
+        if not isinstance(line, Data | Lock) or (
+            takers[line.source, line.source_port] == 1
+            and (isinstance(line, Lock) or line.hz is None)
         ):
             yield line
             continue

@@ -38,7 +38,7 @@ def contracted(graph: Graph) -> tuple[Graph, tuple[Passage, ...], tuple[Relay, .
     sent = {end.topic for node in graph.nodes for end in node.published}
     sent |= {mux.output for mux in graph.muxes}
     heard = {end.topic for node in graph.nodes for end in node.subscribed}
-    heard |= {each.topic for mux in graph.muxes for each in mux.inputs}
+    heard |= {each.topic for mux in graph.muxes for each in (*mux.inputs, *mux.locks)}
     # What obeys commands need not be a node.
     ends = (end for node in graph.nodes for end in (*node.published, *node.subscribed))
     obeyed = {end.topic for end in ends if is_command(end.type)}

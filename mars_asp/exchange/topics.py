@@ -16,12 +16,14 @@ from mars_asp.diagnostic import Span, whole_file
 from mars_asp.exchange import ports
 from mars_asp.exchange.cascades import merged
 from mars_asp.exchange.graph import each_once, is_command, represented, typed
+from mars_asp.exchange.locks import lock_line, lock_names
 from mars_asp.exchange.relays import Passage, contracted, reached
 from mars_asp.exchange.unread import Unread
 from mars_asp.model.declarations import (
     Configuration,
     Control,
     Data,
+    Lock,
     Mode,
     Module,
     Muxed,
@@ -101,6 +103,9 @@ def configuration_of(graph: Graph) -> tuple[Configuration, Sequence[Unread]]:
     modules: dict[str, Name] = {node.name: Name(node.name, node.span) for node in nodes}
     for name in chain(ends, (Name(c.controller, c.span) for c in controls)):
         modules.setdefault(name.text, name)
+    locks = list(_locks(wiring, muxed, modules))
+    for lock in locks:
+        modules.setdefault(lock.source, Name(lock.source, lock.span))
     described = (_module_of_node(node, wiring) for node in nodes)
     configuration = Configuration(
         graph.path,
@@ -108,7 +113,7 @@ def configuration_of(graph: Graph) -> tuple[Configuration, Sequence[Unread]]:
         architecture="hierarchical",
         declares_architecture=True,
         modules=tuple(modules.values()),
-        relationships=(*controls, *_wires(wiring, nodes)),
+        relationships=(*controls, *locks, *_wires(wiring, nodes)),
         declared=tuple(module for module in described if module is not None),
         muxes=muxed,
         relays=tuple(relay.span for relay in relays),
@@ -308,6 +313,24 @@ def _control_lines(wiring: _Wiring) -> tuple[list[Control], tuple[Muxed, ...], l
             for line in _mux_controls(wiring, mux):
                 command(mux.name, line)
     return list(found.values()), tuple(muxed), ends
+
+
+def _locks(wiring: _Wiring, muxed: Iterable[Muxed], taken: Collection[str]) -> Iterator[Lock]:
+    """Yield the locks of muxes: by the publishers of their topics, else by their names.
+
+    Names in `taken` belong to other modules.
+    """
+    modules = {each.name: each.module for each in muxed}
+    for mux in wiring.muxes:
+        unheard = tuple(each for each in mux.locks if not wiring.published.get(each.topic))
+        names = lock_names(replace(mux, locks=unheard), "", {*taken, *(i.name for i in mux.inputs)})
+        for lock in mux.locks:
+            ends = wiring.published.get(lock.topic, ())
+            for node, end, _ in ends:
+                span = lock.span if len(ends) == 1 else end.span
+                yield lock_line(modules[mux.name], node, lock, span, end.topic)
+            if not ends:
+                yield lock_line(modules[mux.name], names[lock], lock)
 
 
 def _muxed(module: str, mux: Mux, topic: str) -> Muxed:

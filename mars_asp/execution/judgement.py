@@ -19,6 +19,7 @@ from mars_asp.diagnostic import Span, point
 from mars_asp.execution.executor.arbitration import HierarchicalArbitration
 from mars_asp.execution.executor.link import Failures
 from mars_asp.execution.executor.schedule import MILLISECOND
+from mars_asp.execution.gate_facts import gate_facts, reasons
 from mars_asp.execution.promises import promises
 from mars_asp.execution.scenario.read import ScenarioRobot
 from mars_asp.execution.simulator.approach import least_approach
@@ -42,6 +43,10 @@ ALWAYS = {
     "commanded functions exist": "missing_function",
     "no module failed": "module_failure",
 }
+#: The requirement of all runs with Gates, with the kind of consequence that violates it.
+GATED = {"gates respected": "gate_breach"}
+#: The kinds of consequences by which `reasons_of` explains a run.
+REASONS = ("gate_passage", "gate_loss", "lock_stop")
 ON_REQUEST = {
     "no_collision": "collision",
     "clearance": "clearance",
@@ -164,9 +169,11 @@ def judge_facts(
     """Return the judgement of facts of a run; `requested` are the scenario's requirements."""
     facts = tuple(facts)
     analysis = analyse(facts, rulebook, span)
-    named = {**ALWAYS, **{name: ON_REQUEST[name] for name in requested}}
+    gated = GATED if any(fact.atom.name == "closes" for fact in facts) else {}
+    named = {**ALWAYS, **gated, **{name: ON_REQUEST[name] for name in requested}}
     # Each kind of consequence of a pack is a requirement with its name.
-    built_in = {*ALWAYS.values(), *ON_REQUEST.values(), *UNDECIDED.values(), *WARNINGS}
+    built_in = {*ALWAYS.values(), *GATED.values(), *ON_REQUEST.values(), *UNDECIDED.values()}
+    built_in |= {*WARNINGS, *REASONS}
     named |= {kind: kind for kind in sorted(consequence_kinds(rulebook) - built_in)}
 
     def found(kind: str | None) -> tuple[Consequence, ...]:
@@ -179,6 +186,22 @@ def judge_facts(
     return Judgement(requirements, warnings, analysis, facts, rulebook)
 
 
+def reasons_of(trial: Trial, *, losses: bool) -> tuple[tuple[Consequence, Span], ...]:
+    """Return explanations of what Gates let pass and locks stopped, or of losses, by time.
+
+    Each reason has the location of the line that states it.
+    """
+    facts = (*gate_facts(trial), *reasons(trial, losses=losses))
+    found = analyse(facts, run_rulebook(), trial.scenario.span).consequences
+    timed: list[tuple[int, int, Consequence]] = []
+    for consequence in found:
+        if consequence.kind in REASONS:
+            link, at = consequence.atom.arguments[3].arguments
+            timed.append((at.number, link.number, consequence))
+    timed.sort(key=lambda row: row[:2])
+    return tuple((each, trial.executor.links[link].span) for _, link, each in timed)
+
+
 def run_facts(trial: Trial) -> Iterator[Fact]:
     """Yield the facts of a run for `rules/run`: stated ones and observed ones."""
     facts = tuple(_facts(trial))
@@ -189,6 +212,7 @@ def run_facts(trial: Trial) -> Iterator[Fact]:
 def _facts(trial: Trial) -> Iterator[Fact]:
     yield from _services(trial)
     yield from _control(trial)
+    yield from gate_facts(trial)
     yield from _limits(trial)
     yield from _functions(trial)
     for name, failures in trial.executor.failures.items():
@@ -365,8 +389,12 @@ def _control(trial: Trial) -> Iterator[Fact]:
     for link in trial.executor.links:
         if link.kind == "control" and link.delivered and link.client in trial.executor.effectors:
             yield _fact(link.span, "commanded_by", link.client, link.source)
-        if link.client in trial.executor.arbiters and link.kind == "control":
-            yield _fact(link.span, "ranked", link.client, link.source, link.priority)
+        arbiter = trial.executor.arbiters.get(link.client)
+        if arbiter is not None and link.kind == "control":
+            # The latest of all passes under `latest`.
+            equal = isinstance(arbiter, HierarchicalArbitration) and arbiter.equal
+            priority = 0 if equal else link.priority
+            yield _fact(link.span, "ranked", link.client, link.source, priority)
     for name, arbiter in trial.executor.arbiters.items():
         if not isinstance(arbiter, HierarchicalArbitration):
             continue

@@ -11,10 +11,17 @@ from dataclasses import replace
 
 from mars_asp.model.declarations import (
     Configuration,
+    Control,
     Data,
+    Gating,
+    Limit,
+    Lock,
     Module,
+    Mount,
     Name,
     Relationship,
+    Reset,
+    Strategy,
     ends_of,
 )
 from mars_asp.model.ports import DELIVERING, inputs, outputs
@@ -55,19 +62,21 @@ def in_parts(
 
 
 def _has_parts(module: Module) -> bool:
-    """Whether a module has several outputs, or one beside commands or a sink."""
+    """Whether a module has several outputs, or one beside commands or a sink, or of completion."""
     count = len(outputs(module))
-    return count > 1 or bool(
-        count and any(each.kind in ("ControlOut", "DataIn") for each in module.services)
-    )
+    beside = any(each.kind in ("ControlOut", "DataIn", "Done") for each in module.services)
+    return count > 1 or bool(count and beside)
 
 
 def _split_lines(
     line: Relationship, every: Mapping[str, Module], split: Mapping[str, Mapping[str, int]]
 ) -> Iterator[Relationship]:
     """Yield the relationships that replace one whose ends are split into parts."""
-    if not isinstance(line, Data):
+    if isinstance(line, Mount | Control | Strategy):
         yield line
+        return
+    if not isinstance(line, Data):
+        yield _from_part(line, every, split)
         return
     if line.source in split:
         own = split[line.source]
@@ -78,6 +87,30 @@ def _split_lines(
         return
     for part, port in _fed_parts(line, every[line.client], split[line.client]):
         yield replace(line, client=part, client_port=port)
+
+
+def _from_part(
+    line: Gating | Reset | Lock | Limit,
+    every: Mapping[str, Module],
+    split: Mapping[str, Mapping[str, int]],
+) -> Relationship:
+    """Return a line to a side from the part that its source means.
+
+    Without a port, that is the module's command, or else its only output.
+    """
+    source = line.trigger if isinstance(line, Gating) else line.source
+    if source not in split:
+        return line
+    port = line.trigger_port if isinstance(line, Gating) else line.source_port
+    own = split[source]
+    commands = any(each.kind == "ControlOut" for each in every[source].services)
+    if port is None and not commands and len(own) == 1:
+        port = next(iter(own))
+    if port not in own:
+        return line
+    if isinstance(line, Gating):
+        return replace(line, trigger=f"{source}.{port}", trigger_port=None)
+    return replace(line, source=f"{source}.{port}", source_port=None)
 
 
 def _fed_parts(

@@ -20,6 +20,7 @@ from mars_asp.execution.scenario.agreement import disagreements
 from mars_asp.execution.scenario.contradictions import SCATTERED
 from mars_asp.execution.scenario.devices import bind_devices, make_joints
 from mars_asp.execution.scenario.functions import bind_functions, bind_kinds
+from mars_asp.execution.scenario.link_faults import link_faults
 from mars_asp.execution.scenario.read import Scenario, ScenarioRobot
 from mars_asp.execution.simulator import (
     Body,
@@ -250,7 +251,11 @@ def stage_trial(
     behaviours |= bind_devices(plan, scenario, bodies, joints, clock)
     _check_starts(fleet.bodies, scenario)
     timeout = round(scenario.command_timeout * MILLISECOND)
-    running.append(Executor(specification, every, behaviours, timeout, observe))
+    running.append(
+        Executor(
+            specification, every, behaviours, timeout, observe, link_faults(scenario), scenario.seed
+        )
+    )
     moves: dict[str, tuple[str, ...]] = {name: (joint.function,) for name, joint in joints.items()}
     moves |= dict.fromkeys(bodies, planar_functions(scenario.up))
     return Trial(scenario, running[0], fleet.bodies, limits, joints, moves, remarks)

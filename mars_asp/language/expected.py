@@ -6,6 +6,7 @@ from lark import UnexpectedInput
 
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.language.layout import Layout
+from mars_asp.model.declarations import VERBS
 from mars_asp.model.names import UNSEEN
 from mars_asp.spelling import suggestion
 
@@ -15,9 +16,7 @@ KEYWORDS = (
     "@modules",
     "@sources",
     "@include",
-    "is_mounted_on",
-    "is_controlled_by",
-    "uses_data_from",
+    *VERBS,
     "@Tag",
     "@Property",
 )
@@ -31,6 +30,11 @@ _WORDS = (
     "allocation",
     "root",
     "split",
+    "latest",
+    "weighted",
+)
+_SIDE_LINES = frozenset(
+    ("SIGN", "_IS_RESET_BY", "_IS_LOCKED_BY", "_IS_LIMITED_BY", "_IS_ARBITRATED_BY")
 )
 _SHOWN = {
     "NAME": "a module name",
@@ -52,6 +56,12 @@ _SHOWN = {
     "_IS_MOUNTED_ON": "`is_mounted_on`",
     "_IS_CONTROLLED_BY": "`is_controlled_by`",
     "_USES_DATA_FROM": "`uses_data_from`",
+    "SIGN": "`is_suppressed_by` or `is_inhibited_by`",
+    "_IS_RESET_BY": "`is_reset_by`",
+    "_IS_LOCKED_BY": "`is_locked_by`",
+    "_IS_LIMITED_BY": "`is_limited_by`",
+    "_IS_ARBITRATED_BY": "`is_arbitrated_by`",
+    "STRATEGY": "`hierarchical`, `latest`, `flat` or `weighted`",
     "_HOLD": "`hold`",
     "FOREVER": "`forever`",
     "_ALLOCATION": "`allocation`",
@@ -65,6 +75,7 @@ _SHOWN = {
     "VALUE": "a value",
 }
 _WORD = re.compile(r"@?[^\s,()]+|\S")
+_UNIT = re.compile(r"(\d*\.?\d*)(ms|s|Hz)", re.IGNORECASE)
 _UNSEEN_HELP = "a name contains no control characters and no marks of direction"
 _UNSEEN_NAME = re.compile(rf'\.?"[^"]*[{UNSEEN}]')
 
@@ -77,7 +88,11 @@ def describe(layout: Layout, base: int, piece: str, error: UnexpectedInput) -> D
     begin, end = match.span() if match else (len(piece.rstrip()), len(piece.rstrip()) + 1)
     terminals = getattr(error, "accepts", None) or getattr(error, "expected", None)
     terminals = terminals or getattr(error, "allowed", None) or ()
-    wanted = sorted({_SHOWN.get(str(name), str(name)) for name in terminals})
+    names = set(map(str, terminals))
+    if "_USES_DATA_FROM" in names:
+        # Where any relationship may follow, the common ones suffice.
+        names -= _SIDE_LINES
+    wanted = sorted({_SHOWN.get(name, name) for name in names})
     if not wanted or not piece[:begin].strip():
         wanted = [
             "a relationship",
@@ -99,9 +114,27 @@ def describe(layout: Layout, base: int, piece: str, error: UnexpectedInput) -> D
         span,
         help=_UNSEEN_HELP
         if _UNSEEN_NAME.match(piece, begin)
-        else _hint(piece, match[0] if match else ""),
+        else _unit_hint(piece[:begin].split(), match[0] if match else "")
+        or _hint(piece, match[0] if match else ""),
         excerpt=layout.line(span.line).rstrip(" "),
     )
+
+
+def _unit_hint(before: list[str], found: str) -> str | None:
+    """Return advice on `found`, a unit or a number with one, after the words `before`, or None."""
+    match = _UNIT.fullmatch(found)
+    if not match or len(before) < 2:
+        return None
+    number, unit = match[1], match[2].lower()
+    if "every" in before[-2:]:
+        separate = number and unit != "hz"
+        return f"leave a blank before the unit: `{number} {unit}`" if separate else None
+    timed = (before if number else before[:-1])[-1] in ("hold", "period")
+    if unit == "ms" and (timed or before[1] in ("is_suppressed_by", "is_inhibited_by")):
+        return f"write `{number or before[-1]}`: such times are in ms and have no unit"
+    if unit == "hz" and before[1] == "uses_data_from":
+        return f"write `{number or before[-1]}`: rates are in Hz and have no unit"
+    return None
 
 
 def _hint(piece: str, found: str) -> str | None:

@@ -30,6 +30,10 @@ _LINE = re.compile(
         (?:{_GAP}({_NUMBER}))?
     | (@configuration|@specification)
         (?:{_GAP}(flat|hierarchical))?(?:{_GAP}period{_GAP}({_NUMBER}))?
+    | ({_NAME})(?:\.({_NAME}))?{_GAP}(is_suppressed_by|is_inhibited_by)
+        {_GAP}({_NAME})(?:\.({_NAME}))?{_GAP}({_NUMBER})
+    | ({_NAME}){_GAP}is_locked_by{_GAP}({_NAME})(?:\.({_NAME}))?
+        (?:{_GAP}({_NUMBER}))?(?:{_GAP}hold{_GAP}({_NUMBER}))?
     | ({_NAME}){_GAP}@Tag{_GAP}({_NAME})
     | ({_NAME}){_GAP}@Property{_GAP}({_NAME}){_GAP}({_VALUE})
     | @modules{_GAP}({_NAME}(?:{_BLANK}*+,{_BLANK}*+{_NAME})*+)
@@ -38,6 +42,7 @@ _LINE = re.compile(
 )
 _RULES = (
     *(("data", 6), ("control", 5), ("mount", 4), ("header", 3)),
+    *(("gating", 6), ("lock", 5)),
     *(("tag", 2), ("property", 3), ("modules", 1)),
 )
 #: The rule and its groups, by the last group that matched.

@@ -6,16 +6,22 @@ from decimal import Decimal
 from mars_asp.language.parse import ABSTRACT, IMPORTED, NOT_ALL_READ, OF_MUX, OF_PACK
 from mars_asp.model.attributes import Attribute
 from mars_asp.model.declarations import (
+    GATING,
     Configuration,
     Control,
     Conversion,
     Data,
     Function,
+    Gating,
+    Limit,
+    Lock,
     Mode,
     Module,
     Mount,
     Relationship,
+    Reset,
     Service,
+    Strategy,
     Transformation,
     ends_of,
 )
@@ -68,6 +74,17 @@ def print_relationship(relationship: Relationship) -> str:
             ]
             if transformation is not None:
                 words.append(transformation.text or print_transformation(transformation))
+        case Gating(gated, trigger, _, sign, ms, port, trigger_port):
+            words = [end(gated, port), GATING[sign], end(trigger, trigger_port), str(ms)]
+        case Reset(module, source, _, port):
+            words = [written(module), "is_reset_by", end(source, port)]
+        case Lock(controlled, source, _, priority, hold, port):
+            words = [written(controlled), "is_locked_by", end(source, port)]
+            words += [*_number_words(priority), *_after("hold", hold)]
+        case Limit(controlled, source, _, hold, port):
+            words = [written(controlled), "is_limited_by", end(source, port), *_after("hold", hold)]
+        case Strategy(controlled, _, strategy, period):
+            words = [written(controlled), "is_arbitrated_by", strategy, *_after("period", period)]
     return " ".join(words)
 
 
@@ -183,6 +200,10 @@ def _number_words(number: int | None) -> tuple[str, ...]:
     return () if number is None else (str(number),)
 
 
+def _after(word: str, number: int | None) -> tuple[str, ...]:
+    return () if number is None else (word, str(number))
+
+
 def _block(module: Module) -> Iterator[str]:
     yield "@module_start"
     yield f"@module_name {written(module.name)}"
@@ -215,11 +236,15 @@ def _service(service: Service) -> Iterator[str]:
         periodic = [mode.name for mode in service.modes].index("NotifyAtFrequency")
         modes[periodic] += f" {as_written(service.hz)}"
     text = ", ".join((*modes, *service.commands))
+    if service.kind == "Done":
+        text = ""
     if service.kind == "Converts":
         text = str(service.cost)
     yield f"@{service.kind} {text}".rstrip()
     if service.port is not None:
         yield f"@Port {written(service.port)}"
+    if service.window_ms is not None:
+        yield f"@Window {service.window_ms}"
     yield f"@Output {service.output or 'none'}"
     inputs = [representation or "auto" for representation in service.inputs]
     names = service.parameters

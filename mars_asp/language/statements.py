@@ -18,21 +18,29 @@ from mars_asp.model.attributes import (
 )
 from mars_asp.model.declarations import (
     FOREVER,
+    GATING,
     Allocation,
     Architecture,
     Configuration,
     Control,
     Data,
+    Gating,
     Include,
+    Limit,
+    Lock,
     Mode,
     Mount,
     Name,
     Relationship,
+    Reset,
+    Strategy,
+    StrategyName,
     Transformation,
 )
 from mars_asp.model.modes import parse_mode
 from mars_asp.model.names import BARE, QUOTED, read_name
 from mars_asp.model.ranges import (
+    CLOSED,
     HOLD,
     PERIOD,
     PERIODS,
@@ -87,6 +95,10 @@ def _instance(child: "Word | Raw") -> tuple[Word, Word | None]:
     assert isinstance(word, Word)
     assert isinstance(described, Word)
     return word, described
+
+
+def _text(word: Word | None) -> str | None:
+    return None if word is None else str(word)
 
 
 class Builder:
@@ -297,6 +309,77 @@ class Builder:
         ports = (None if port is None else str(port) for port in (client_port, source_port))
         self._relationships.append(Data(str(client), str(source), span, mode, hz, *ports))
 
+    def _add_gating(self, children: list[Word | None]) -> None:
+        gated, port, word, trigger, trigger_port, number = children
+        assert gated is not None
+        assert word is not None
+        assert trigger is not None
+        assert number is not None
+        ms = self._read_integer(number, CLOSED)
+        sign = next(each for each, text in GATING.items() if text == word)
+        ports = (self._read_port(gated, port), self._read_port(trigger, trigger_port))
+        span = self._span(gated, number)
+        self._relationships.append(Gating(str(gated), str(trigger), span, sign, ms or 1, *ports))
+
+    def _add_reset(self, children: list[Word | None]) -> None:
+        module, source, port = children
+        assert module is not None
+        assert source is not None
+        span = self._span(module, port or source)
+        self._relationships.append(
+            Reset(str(module), str(source), span, self._read_port(source, port))
+        )
+
+    def _add_lock(self, children: list[Word | None]) -> None:
+        controlled, source, port, priority, hold = children
+        assert controlled is not None
+        assert source is not None
+        self._relationships.append(
+            Lock(
+                str(controlled),
+                str(source),
+                self._span(controlled, hold or priority or port or source),
+                self._read_integer(priority, PRIORITY),
+                self._read_integer(hold, HOLD),
+                self._read_port(source, port),
+            )
+        )
+
+    def _add_limit(self, children: list[Word | None]) -> None:
+        controlled, source, port, hold = children
+        assert controlled is not None
+        assert source is not None
+        self._relationships.append(
+            Limit(
+                str(controlled),
+                str(source),
+                self._span(controlled, hold or port or source),
+                self._read_integer(hold, HOLD),
+                self._read_port(source, port),
+            )
+        )
+
+    def _add_strategy(self, children: list[Word | None]) -> None:
+        controlled, strategy, period = children
+        assert controlled is not None
+        assert strategy is not None
+        if period is not None and strategy not in ("flat", "weighted"):
+            help_text = "`flat` and `weighted` take means over a period; leave it out"
+            self._note_word(period, f"a period after `{strategy}`", help_text)
+        self._relationships.append(
+            Strategy(
+                str(controlled),
+                self._span(controlled, period or strategy),
+                cast("StrategyName", str(strategy)),
+                self._read_integer(period, PERIOD),
+            )
+        )
+
+    def _read_port(self, name: Word, port: Word | None) -> str | None:
+        """Return the text of a port, if there is one, and add an error for a blank before it."""
+        self._check_port(name, port)
+        return _text(port)
+
     def _check_port(self, name: Word, port: "Word | Raw | None") -> None:
         """Add an error if blanks separate a port from its module."""
         if isinstance(port, Word) and self.layout.grammatical[self._base + name.end] != ".":
@@ -358,6 +441,11 @@ _ADD: Mapping[str, Callable[[Builder, list[Any]], None]] = {
     "mount": Builder._add_mount,
     "control": Builder._add_control,
     "data": Builder._add_data,
+    "gating": Builder._add_gating,
+    "reset": Builder._add_reset,
+    "lock": Builder._add_lock,
+    "limit": Builder._add_limit,
+    "strategy": Builder._add_strategy,
     "tag": lambda builder, children: builder._add_attribute(TAG, children),
     "property": lambda builder, children: builder._add_attribute(PROPERTY, children),
 }

@@ -6,12 +6,12 @@ from itertools import islice
 from typing import Literal, NamedTuple, TypeAlias
 
 from mars_asp.lsp.keyword_docs import ANNOTATIONS, METADATA, MODES, STATEMENTS
-from mars_asp.lsp.occurrences import VERBS, is_configuration
+from mars_asp.lsp.occurrences import is_configuration
 from mars_asp.lsp.places import Position, Range, Text
 from mars_asp.lsp.robot import DocumentContext, prefixed_name
 from mars_asp.lsp.rule_text import RuleText
 from mars_asp.lsp.rules import Rules
-from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS
+from mars_asp.model.declarations import GRASP, MOTION_FUNCTIONS, STRATEGIES, VERBS
 from mars_asp.model.names import BARE, QUOTED, plain, written
 
 Sort: TypeAlias = Literal[
@@ -167,6 +167,11 @@ def _relationship(scene: DocumentContext, done: list[str]) -> Iterator[Completio
         yield from _keywords("forever") if rest[-1] == "hold" else ()
         yield from _keywords("root", "split") if rest[-1] == "allocation" else ()
         yield from _keywords("hold", "allocation") if rest[-1] not in ("hold", "allocation") else ()
+    elif verb == "is_arbitrated_by":
+        yield from _keywords(*STRATEGIES) if not rest else ()
+        yield from _keywords("period") if rest in (["flat"], ["weighted"]) else ()
+    elif verb in ("is_locked_by", "is_limited_by") and rest:
+        yield from _keywords("hold") if "hold" not in rest else ()
     elif not rest or (verb == "is_controlled_by" and rest[-1] == ","):
         yield from _modules(scene)
     elif verb == "uses_data_from":
@@ -212,9 +217,11 @@ def _within(prefix: str, name: str) -> str | None:
 
 
 def _port_items(scene: DocumentContext, module: str, is_output: bool) -> Iterator[Completion]:
+    """Yield a module's outputs; on the left, where these may be gated, its inputs first."""
     for robot, file in scene.own_files():
         described = robot.modules.get(prefixed_name(file.prefix, module))
         if described is not None:
-            for name in described.outputs if is_output else described.inputs:
+            left = () if is_output else described.inputs
+            for name in dict.fromkeys((*left, *described.outputs)):
                 yield Completion(name, "port", f"of {module}", written(name))
             return

@@ -103,7 +103,9 @@ def module_texts(
     return text, "\n".join(f"- {markdown(each)}" for each in about)
 
 
-def _port_text(described: Described, name: str, is_output: bool) -> str:
+def _port_text(described: Described, name: str, is_output: bool | None) -> str:
+    if is_output is None:
+        is_output = name in described.outputs or name not in described.inputs
     ports = described.outputs if is_output else described.inputs
     sort = "output" if is_output else "input"
     if name in ports:

@@ -16,11 +16,11 @@ from mars_asp.annotations.sources import Source
 from mars_asp.language.layout import Layout, lay_out
 from mars_asp.language.tokens import Token, tokens_of
 from mars_asp.lsp.places import MOST_CHARACTERS, Position, Range, Text
+from mars_asp.model.declarations import GATING, VERBS
 from mars_asp.model.names import BARE, QUOTED, plain, read_name
 
 #: Context of a module name: `@modules`, after a `:` in it, `@module_name`, or another statement.
 Role: TypeAlias = Literal["listed", "describing", "annotated", "line"]
-VERBS = ("is_mounted_on", "is_controlled_by", "uses_data_from")
 _END = re.compile(rf"({BARE}|{QUOTED})(?:\.({BARE}|{QUOTED})?)?")
 _HEADER = re.compile(r"\s*(@(?:configuration|specification))(?!\w)")
 _NAMED = re.compile(rf"(?i)^[ \t]*@module_name[ \t]+({BARE}|{QUOTED})")
@@ -37,7 +37,8 @@ class PortOccurrence(NamedTuple):
 
     name: str
     range: Range
-    is_output: bool
+    #: None if it may be an input: the left end of a gate line.
+    is_output: bool | None
 
 
 class Occurrence(NamedTuple):
@@ -124,7 +125,7 @@ class _Named(NamedTuple):
     port: str | None = None
     port_begin: int = 0
     port_end: int = 0
-    is_output: bool = False
+    is_output: bool | None = False
 
 
 def _of_configuration(text: Text) -> DocumentOutline:
@@ -203,9 +204,10 @@ def _in_list(tokens: Sequence[Token]) -> Iterator[_Named]:
 
 def _in_line(tokens: Sequence[Token]) -> Iterator[_Named]:
     """Yield the module names of a relationship; of an unfinished line its first word."""
-    yield from _end(tokens[0], is_output=False)
     at = next((n for n, each in enumerate(tokens) if each.text in VERBS), None)
-    if at is None:
+    is_gated = at is not None and tokens[at].text in GATING.values()
+    yield from _end(tokens[0], is_output=None if is_gated else False)
+    if at is None or tokens[at].text == "is_arbitrated_by":
         return
     begins = [at + 1]
     if tokens[at].text == "is_controlled_by":
@@ -215,7 +217,7 @@ def _in_line(tokens: Sequence[Token]) -> Iterator[_Named]:
             yield from _end(tokens[begin], is_output=True)
 
 
-def _end(token: Token, is_output: bool) -> Iterator[_Named]:
+def _end(token: Token, is_output: bool | None) -> Iterator[_Named]:
     match = _END.fullmatch(token.text)
     if match is None or match[1] in VERBS:
         return

@@ -93,6 +93,8 @@ def _port_places(scene: DocumentContext, mention: Occurrence) -> Iterator[Place]
         described = robot.modules.get(prefixed_name(file.prefix, mention.name))
         if described is not None:
             ports = described.outputs if mention.port.is_output else described.inputs
+            if mention.port.is_output is None:
+                ports = {**described.inputs, **described.outputs}
             yield from filter(None, (ports.get(mention.port.name),))
 
 

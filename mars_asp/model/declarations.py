@@ -14,11 +14,13 @@ from typing import Literal, TypeAlias, get_args
 from mars_asp.diagnostic import Span
 from mars_asp.model.attributes import Attribute, Attributed
 
-ServiceKind: TypeAlias = Literal["Sense", "DataOut", "ControlOut", "DataIn", "Converts"]
+ServiceKind: TypeAlias = Literal[
+    "Sense", "DataOut", "ControlOut", "DataIn", "Converts", "Done", "Reset"
+]
 Architecture: TypeAlias = Literal["flat", "hierarchical"]
 ConfigurationKind: TypeAlias = Literal["configuration", "specification"]
 
-SERVICE_KINDS: tuple[ServiceKind, ...] = ("Sense", "DataOut", "ControlOut", "DataIn", "Converts")
+SERVICE_KINDS: tuple[ServiceKind, ...] = get_args(ServiceKind)
 MOTION_FUNCTIONS = ("Rotn_X", "Rotn_Y", "Rotn_Z", "Trans_X", "Trans_Y", "Trans_Z")
 GRASP = "Grasp"
 DELIVERY_MODES = (
@@ -55,7 +57,8 @@ class Service:
     also: without one). `hz` is in Hertz. `commands` are the functions a ControlOut commands.
     `port` is the name of the output where it is not the function's; `parameters` are the names of
     the inputs, in their order, or None if one has none, and may be fewer than the inputs.
-    `span` starts at the annotation's `@`.
+    `window_ms` is how far apart the messages of its inputs may be sent. `span` starts at the
+    annotation's `@`.
     """
 
     kind: ServiceKind
@@ -69,6 +72,7 @@ class Service:
     cost: int = 1
     port: str | None = None
     parameters: tuple[str | None, ...] = ()
+    window_ms: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,7 +194,89 @@ class Data:
     source_port: str | None = None
 
 
-Relationship: TypeAlias = Mount | Control | Data
+Sign: TypeAlias = Literal["suppress", "inhibit"]
+#: The word of a line that gates an output or input, by its sign.
+GATING: Mapping[Sign, str] = {"suppress": "is_suppressed_by", "inhibit": "is_inhibited_by"}
+
+
+@dataclass(frozen=True, slots=True)
+class Gating:
+    """`gated.port is_suppressed_by trigger.output ms`, or `is_inhibited_by`.
+
+    After each message of the trigger, the line of the gated output or input is closed for `ms`
+    milliseconds. `port` is an output of `gated`, or an input in the input form.
+    """
+
+    gated: str
+    trigger: str
+    span: Span
+    sign: Sign
+    ms: int
+    port: str | None = None
+    trigger_port: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Reset:
+    """`module is_reset_by source.output`."""
+
+    module: str
+    source: str
+    span: Span
+    source_port: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Lock:
+    """`controlled is_locked_by source.output priority hold`."""
+
+    controlled: str
+    source: str
+    span: Span
+    priority: int | None = None
+    hold_ms: int | None = None
+    source_port: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """`controlled is_limited_by source.output hold`."""
+
+    controlled: str
+    source: str
+    span: Span
+    hold_ms: int | None = None
+    source_port: str | None = None
+
+
+StrategyName: TypeAlias = Literal["hierarchical", "latest", "flat", "weighted"]
+STRATEGIES: tuple[StrategyName, ...] = get_args(StrategyName)
+
+
+@dataclass(frozen=True, slots=True)
+class Strategy:
+    """`controlled is_arbitrated_by strategy period`: how its controllers are arbitrated."""
+
+    controlled: str
+    span: Span
+    strategy: StrategyName
+    period_ms: int | None = None
+
+
+Relationship: TypeAlias = Mount | Control | Data | Gating | Reset | Lock | Limit | Strategy
+#: The words between the two ends of relationships.
+_VERB_OF: Mapping[type[Relationship], str] = {
+    Mount: "is_mounted_on",
+    Control: "is_controlled_by",
+    Data: "uses_data_from",
+    Reset: "is_reset_by",
+    Lock: "is_locked_by",
+    Limit: "is_limited_by",
+    Strategy: "is_arbitrated_by",
+}
+VERBS = (*_VERB_OF.values(), *GATING.values())
+#: The relationships that a specification has as lines between outputs and receivers.
+Connection: TypeAlias = Control | Data | Gating | Reset | Lock | Limit
 #: The programs of muxes in imported robots.
 Engine: TypeAlias = Literal["twist_mux", "cmd_vel_mux"]
 ENGINES: tuple[Engine, ...] = get_args(Engine)
@@ -231,8 +317,27 @@ class Muxed:
     topic: str | None = field(default=None, compare=False)
 
 
+def verb_of(relationship: Relationship) -> str:
+    """Return the word between the two ends of a relationship."""
+    if isinstance(relationship, Gating):
+        return GATING[relationship.sign]
+    return _VERB_OF[type(relationship)]
+
+
+def ports_of(relationship: Relationship) -> tuple[str | None, str | None]:
+    """Return the ports that a relationship names at its two ends, the left one first."""
+    match relationship:
+        case Data():
+            return relationship.client_port, relationship.source_port
+        case Gating():
+            return relationship.port, relationship.trigger_port
+        case Reset() | Lock() | Limit():
+            return None, relationship.source_port
+    return None, None
+
+
 def ends_of(relationship: Relationship) -> tuple[str, str]:
-    """Return the two modules of a relationship, the left one first."""
+    """Return the two modules of a relationship, the left one first; that of a strategy twice."""
     match relationship:
         case Data(client, source):
             return client, source
@@ -240,6 +345,14 @@ def ends_of(relationship: Relationship) -> tuple[str, str]:
             return controlled, controller
         case Mount(mounting, mounted):
             return mounting, mounted
+        case Gating(gated, trigger):
+            return gated, trigger
+        case Reset(module, source):
+            return module, source
+        case Lock(controlled, source) | Limit(controlled, source):
+            return controlled, source
+        case Strategy(controlled):
+            return controlled, controlled
 
 
 @dataclass(frozen=True, slots=True)
@@ -366,7 +479,12 @@ class Configuration:
 
 
 NodeKind: TypeAlias = Literal[
-    "data_splitter", "data_transformer", "arbitration_node", "control_splitter", "inheritance_node"
+    "data_splitter",
+    "data_transformer",
+    "arbitration_node",
+    "control_splitter",
+    "inheritance_node",
+    "gate_node",
 ]
 #: How the paper's figures name each kind of node; the first ArbitrationNode has no number.
 NODE_NAMES: dict[NodeKind, str] = {
@@ -375,9 +493,10 @@ NODE_NAMES: dict[NodeKind, str] = {
     "arbitration_node": "ArbitrationNode",
     "control_splitter": "ControlSplitter",
     "inheritance_node": "InheritanceNode",
+    "gate_node": "Gate",
 }
 _NODE_NAME = re.compile(
-    r"(?P<stem>DataSplitter|DataTransformer|ControlSplitter|InheritanceNode)[1-9][0-9]*"
+    r"(?P<stem>DataSplitter|DataTransformer|ControlSplitter|InheritanceNode|Gate)[1-9][0-9]*"
     r"|(?P<arbiter>ArbitrationNode)([2-9]|[1-9][0-9]+)?"
 )
 

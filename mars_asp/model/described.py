@@ -22,6 +22,7 @@ _OF_SERVICE: Mapping[ServiceKind, str] = {
     "ControlOut": "control_out_algorithm",
     "DataIn": "data_sink",
     "Converts": "converter",
+    "Done": "data_out_algorithm",
 }
 
 
@@ -51,7 +52,8 @@ def annotated_classes(module: Module) -> dict[str, Span]:
     """Return the classes of a module, each with the first annotation that implies it."""
     found: dict[str, Span] = {}
     for service in module.services:
-        found.setdefault(_OF_SERVICE[service.kind], service.span)
+        if service.kind != "Reset":
+            found.setdefault(_OF_SERVICE[service.kind], service.span)
     for function in module.functions:
         found.setdefault("end_effector" if function.name == "Grasp" else "effector", function.span)
     return {name: found[name] for name in CLASSES if name in found}

@@ -73,7 +73,7 @@ class GivenFile:
 
 @dataclass(frozen=True, slots=True)
 class MuxInput:
-    """A topic that a mux listens to, with the name that the mux has for it."""
+    """A topic that a mux listens to, an input or a lock, with the name that the mux has for it."""
 
     name: str
     topic: str
@@ -86,7 +86,8 @@ class MuxInput:
 class Mux:
     """A node that forwards, to `output`, the messages of the input with the highest priority.
 
-    `numbers` and `inner` describe a cascade that was merged into one mux, as in `Muxed`.
+    `locks` stop the inputs of lower priorities. `numbers` and `inner` describe a cascade that was
+    merged into one mux, as in `Muxed`.
     """
 
     name: str
@@ -98,6 +99,7 @@ class Mux:
     inner: tuple[Inner, ...] = ()
     conditions: tuple["StartCondition", ...] = ()
     given: tuple[GivenFile, ...] = ()
+    locks: tuple[MuxInput, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,6 +241,6 @@ class LaunchTree:
             spans += (each.span for each in node.renamed)
             spans += (each.span for each in node.given)
         for mux in self.muxes:
-            spans += (each.span for each in mux.inputs)
+            spans += (each.span for each in (*mux.inputs, *mux.locks))
             spans += (each.span for each in mux.given)
         return frozenset(span.path for span in spans)

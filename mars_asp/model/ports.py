@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from mars_asp.model.declarations import Module, Service
 
-DELIVERING = ("Sense", "DataOut")
+DELIVERING = ("Sense", "DataOut", "Done")
 #: Positions fit clingo's integers; a longer number is a name like others.
 _POSITIONAL = re.compile(r"input([1-9][0-9]{0,8})")
 
@@ -42,11 +42,11 @@ def outputs(module: Module) -> dict[str, int]:
 
 
 def inputs(module: Module) -> dict[str, Input]:
-    """Return the inputs of a module by their names; a converter is fed by no line."""
+    """Return the inputs of a module by their names; none feeds a converter or a reset."""
     groups: list[tuple[str, list[Parameter]]] = []
     known: dict[tuple[str, str, int], list[Parameter]] = {}
     for number, service in enumerate(module.services):
-        if service.kind == "Converts":
+        if service.kind in ("Converts", "Reset"):
             continue
         seen: Counter[str] = Counter()
         for index, name in enumerate(parameter_names(service)):

@@ -76,6 +76,7 @@ def _integer_range(noun: str, least: int, most: int = MOST) -> NumberRange:
 PRIORITY = _integer_range("a priority", 0)
 HOLD = _integer_range("a hold in milliseconds", 1)
 PERIOD = _integer_range("a period in milliseconds", 1)
+CLOSED = _integer_range("a time in milliseconds", 1)
 VERTEX = _integer_range("a vertex", 0)
 COST = _integer_range("a cost", 1, 1_000_000)
 FREQUENCY = NumberRange(

@@ -19,11 +19,16 @@ from mars_asp.model.declarations import (
     Configuration,
     Control,
     Data,
+    Gating,
     Include,
+    Limit,
+    Lock,
     Module,
     Mount,
     Name,
     Relationship,
+    Reset,
+    Strategy,
 )
 from mars_asp.reading import WallError, check_walls
 
@@ -283,6 +288,17 @@ def _renamed(prefix: str, line: Relationship) -> Relationship:
         case Mount(mounting, mounted):
             ends = _prefixed(prefix, mounting), _prefixed(prefix, mounted)
             return replace(line, mounting=ends[0], mounted=ends[1])
+        case Gating(gated, trigger):
+            ends = _prefixed(prefix, gated), _prefixed(prefix, trigger)
+            return replace(line, gated=ends[0], trigger=ends[1])
+        case Reset(module, source):
+            ends = _prefixed(prefix, module), _prefixed(prefix, source)
+            return replace(line, module=ends[0], source=ends[1])
+        case Lock(controlled, source) | Limit(controlled, source):
+            ends = _prefixed(prefix, controlled), _prefixed(prefix, source)
+            return replace(line, controlled=ends[0], source=ends[1])
+        case Strategy(controlled):
+            return replace(line, controlled=_prefixed(prefix, controlled))
 
 
 def instances(configuration: Configuration, described: Mapping[str, Module]) -> Iterator[Module]:

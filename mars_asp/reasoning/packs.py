@@ -156,11 +156,17 @@ def is_pack(folder: Path) -> bool:
 def packs_around(folder: Path) -> tuple[Path, ...]:
     """Return the nearest pack from a folder upwards, last, after the packs that it needs.
 
-    Paths are relative to the current folder; there are none if the folder is in no pack.
+    Paths are relative to the current folder; there are none if the folder is in no pack. Files of
+    other programs have the name of the manifest as well, so a pack has rules.
     """
     here = folder.resolve()
-    pack = next((each for each in (here, *here.parents) if is_pack(each)), None)
+    found = (each for each in (here, *here.parents) if is_pack(each) and _has_rules(each))
+    pack = next(found, None)
     return () if pack is None else with_companions(Path(os.path.relpath(pack)))
+
+
+def _has_rules(pack: Path) -> bool:
+    return any(True for name in ("", *FOLDERS) for _ in (pack / name).glob("*.lp"))
 
 
 def with_companions(pack: Path) -> tuple[Path, ...]:

@@ -17,12 +17,12 @@ from mars_asp.reasoning.project import Project, load_project, project_facts
 
 def samples() -> tuple[Project, ...]:
     """Return the sample robots as projects."""
-    ranked, flat, ports = (
+    ranked, flat, ports, gates = (
         load_project(
             f"{name}.mars",
             text=Path(__file__).with_name(f"sample_{name}.mars").read_text(encoding="utf-8"),
         )
-        for name in ("ranked", "flat", "ports")
+        for name in ("ranked", "flat", "ports", "gates")
     )
     # Only foreign files have muxes, missing files and nodes that were not read.
     mux = Muxed("Platform", "twist_mux", ranked.configuration.span)
@@ -31,7 +31,7 @@ def samples() -> tuple[Project, ...]:
     missing = MissingFile(node.text, "path", "./camera.py", node.span, builds=True)
     read = replace(read, origin="twist_mux", missing=(missing,))
     muxed = replace(ranked, configuration=read)
-    return muxed, flat, ports
+    return muxed, flat, ports, gates
 
 
 def sampled() -> Iterator[tuple[tuple[Fact, ...], Span]]:
@@ -41,7 +41,7 @@ def sampled() -> Iterator[tuple[tuple[Fact, ...], Span]]:
 
 
 #: How many robots there are.
-_COUNT = 3
+_COUNT = 4
 
 
 def _sampled(number: int) -> tuple[tuple[Fact, ...], Span]:

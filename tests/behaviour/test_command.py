@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mars_asp.behaviour import Command
-from mars_asp.behaviour.command import command_of
+from mars_asp.behaviour.command import command_of, commanded
 
 
 @pytest.mark.parametrize(
@@ -49,3 +49,17 @@ def test_pairs_and_mappings_are_commands() -> None:
     for wrong in ({}, {"Grasp": 1, "Trans_Z": 2}, ("Grasp",), 7, "Trans_Z", [("Grasp", 1)]):
         with pytest.raises(ValueError, match="a controller returns one"):
             command_of(wrong)
+
+
+def test_only_listed_functions_are_commanded_together() -> None:
+    listed = ("Trans_Z", "Rotn_Y")
+    assert commanded({"Trans_Z": 100, "Rotn_Y": 5}, listed) == {"Trans_Z": 100.0, "Rotn_Y": 5.0}
+    assert commanded(("Rotn_Y", 5), listed) == {"Rotn_Y": 5.0}
+    assert commanded({"Rotn_X": 5}, ("Trans_Z",)) == {"Rotn_X": 5.0}
+    with pytest.raises(ValueError, match="`Rotn_X` is not in the annotation"):
+        commanded({"Trans_Z": 1, "Rotn_X": 5}, listed)
+    for one in (("Trans_Z",), ()):
+        with pytest.raises(ValueError, match="one `Command"):
+            commanded({"Trans_Z": 1, "Rotn_Y": 5}, one)
+    with pytest.raises(ValueError, match="one `Command"):
+        commanded({}, listed)

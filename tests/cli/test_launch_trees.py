@@ -404,13 +404,13 @@ def test_a_program_that_no_launch_file_starts_may_be_the_other_end(
     assert [each["kind"] for each in found] == kinds
 
 
-def test_an_answer_has_one_line_on_the_notes_of_reading(capsys: Captured) -> None:
+def test_an_answer_has_one_line_on_the_notes_of_reading(capsys: Captured, tmp_path: Path) -> None:
     path = str(ROOT / "examples" / "ros2_workspace")
     assert run_here(["draw", path]) == 0
     lines = capsys.readouterr().err.split()
     assert " ".join(lines).startswith(f"mars-asp: note: {path}: 2 notes on reading: see `mars-asp")
     assert lines.count("note:") == 1
-    assert run_here(["draw", path, "--format", "json"]) == 0
+    assert run_here(["draw", path, "--format", "json", "-o", str(tmp_path / "robot.svg")]) == 0
     assert [json.loads(line)["code"] for line in capsys.readouterr().err.splitlines()] == [
         "launch",
         "catalogue",

@@ -30,8 +30,9 @@ def graphs(draw: st.DrawFn) -> tuple[list[Size], list[LayeredEdge]]:
     sizes = st.tuples(st.sampled_from((64.0, 90.5, 210.0)), st.sampled_from((34.0, 46.0)))
     boxes = draw(st.lists(sizes, min_size=1, max_size=9))
     box = st.integers(0, len(boxes) - 1)
+    ends = st.sampled_from(("top", "side", "foot"))
     labels = st.one_of(st.none(), st.just((70.0, 16.5)), st.just((180.0, 16.5)))
-    links = draw(st.lists(st.builds(LayeredEdge, box, box, labels), max_size=14))
+    links = draw(st.lists(st.builds(LayeredEdge, box, box, labels, end=ends), max_size=14))
     loops = Counter(link.tail for link in links if link.tail == link.head)
     return [(w, max(h, loops[i] * LOOP)) for i, (w, h) in enumerate(boxes)], links
 
@@ -119,6 +120,8 @@ def test_lines_lead_from_the_edge_of_one_box_to_that_of_the_other(
             left, top, right, bottom = around(drawing.centres[box], sizes[box])
             on_level = left - 0.1 <= x <= right + 0.1 and min(abs(y - top), abs(y - bottom)) < 0.1
             on_side = link.tail == link.head and abs(x - right) < 0.1 and top < y < bottom
+            if link.end == "side" and (x, y) == route.points[-1]:
+                on_side = min(abs(x - left), abs(x - right)) < 0.1 and top < y < bottom
             assert on_level or on_side
 
 

@@ -36,6 +36,7 @@ GOLDEN = {
     "level0": "examples/level0/config.mars",
     "level0-specification": "tests/specifications/level0.mars",
     "mobile-camera": "examples/mobile-camera/config.mars",
+    "side-lines": "tests/draw/side-lines.mars",
     "figure07-specification": "tests/specifications/figure07-representation.mars",
 }
 FILES = sorted(
@@ -44,7 +45,15 @@ FILES = sorted(
     for path in ROOT.glob(folder)
 )
 KINDS: tuple[LineKind, ...] = ("mount", "data", "control")
-NODES = (None, "data_splitter", "data_transformer", "arbitration_node", "control_splitter")
+LINE_KINDS: tuple[LineKind, ...] = (*KINDS, "reset", "lock", "limit")
+NODES = (
+    None,
+    "data_splitter",
+    "data_transformer",
+    "arbitration_node",
+    "control_splitter",
+    "gate_node",
+)
 SVG = "{http://www.w3.org/2000/svg}"
 
 
@@ -78,7 +87,7 @@ def pictures(draw: st.DrawFn) -> Picture:
         )
     )
     box = st.integers(0, len(boxes) - 1)
-    lines = st.builds(Line, st.sampled_from(KINDS), box, box, words, words, findings=findings)
+    lines = st.builds(Line, st.sampled_from(LINE_KINDS), box, box, words, words, findings=findings)
     return Picture(draw(words), tuple(boxes), tuple(draw(st.lists(lines, max_size=6))))
 
 
@@ -102,7 +111,7 @@ def test_each_module_and_relationship_is_drawn_once(path: str) -> None:
     assert names <= set(boxes)
     assert max(Counter(boxes).values()) == 1
     written = sorted(map(print_relationship, configuration.relationships))
-    assert sorted(titles(root, *KINDS)) == written
+    assert sorted(titles(root, *LINE_KINDS)) == written
     graph = pygraphviz.AGraph(string=dot_text(picture))
     assert len(graph.nodes()) == len(boxes)
     assert len(graph.edges()) == len(written)
@@ -136,6 +145,35 @@ def test_lines_follow_the_flow_and_are_labelled_with_their_mode() -> None:
         ("data", 0, 2, "NotifyOnMin(300, of=nearest)"),
         ("data", 0, 1, "12.5 Hz"),
     ]
+
+
+def test_side_lines_have_their_signs_and_words() -> None:
+    picture = picture_of("tests/draw/side-lines.mars")
+    boxes = {box.name: box for box in picture.boxes}
+    assert (boxes["Gate1"].note, boxes["Gate1"].carries) == ("S/I", "data")
+    assert (boxes["Gate2"].note, boxes["Gate2"].carries) == ("I", "control")
+    assert boxes["ArbitrationNode"].note == "weighted arbitration, period 100 ms"
+    lines = [line for line in picture.lines if line.end != "top"]
+    assert [(line.kind, line.end, line.label) for line in lines] == [
+        ("data", "side", "S 150 ms"),
+        ("data", "side", "loud\nI 250 ms"),
+        ("reset", "foot", ""),
+        ("control", "side", "200 ms"),
+        ("lock", "side", "locks below 200\nhold 500 ms"),
+        ("lock", "side", "locks"),
+        ("limit", "side", "limits\nhold 100 ms"),
+        ("reset", "foot", "done"),
+    ]
+
+
+def test_a_suppression_of_a_configuration_leads_to_the_suppressed_module() -> None:
+    project = load_project(
+        "robot.mars",
+        (),
+        "@configuration\n@modules A, B, C\nB uses_data_from A\nA is_suppressed_by C.wish 300\n",
+    )
+    (_, line) = depict(project.configuration, project.modules).lines
+    assert (line.tail, line.head, line.label) == (2, 0, "wish\nsuppresses 300 ms")
 
 
 def test_a_transformer_shows_its_conversion_and_a_module_may_have_the_name_of_a_node() -> None:
@@ -242,7 +280,7 @@ def test_without_the_extra_a_png_is_refused_and_all_else_works(
 
 
 def test_a_wide_picture_is_a_smaller_png(tmp_path: Path) -> None:
-    names = [f"Module{index}" for index in range(400)]
+    names = [f"Module{index}" for index in range(250)]
     text = f"@configuration\n@modules {', '.join(names)}\n" + "".join(
         f"{name} uses_data_from Module0\n" for name in names[1:]
     )

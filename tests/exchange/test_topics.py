@@ -6,9 +6,10 @@ import pytest
 
 from mars_asp.diagnostic import Span
 from mars_asp.exchange.graph import is_command, joined, represented
+from mars_asp.exchange.lift import lifted
 from mars_asp.exchange.topics import configuration_of
 from mars_asp.language.print import print_relationship
-from mars_asp.model.graph import Endpoint, Graph, GraphNode, Mux, MuxInput
+from mars_asp.model.graph import Endpoint, Graph, GraphNode, Mux, MuxInput, Relay
 
 TWIST, SCAN = "geometry_msgs/msg/Twist", "sensor_msgs/msg/LaserScan"
 
@@ -52,6 +53,37 @@ WIRED = [
 @pytest.mark.parametrize(("nodes", "expected"), WIRED)
 def test_topics_are_wires(nodes: tuple[GraphNode, ...], expected: list[str]) -> None:
     assert lines(*nodes) == expected
+
+
+@pytest.mark.parametrize(
+    ("nodes", "relays", "source"),
+    [
+        ((), (), "stop"),
+        ((node("ca"),), (), "stop"),
+        ((node("pad", "ca s"), node("log", "", "s")), (), "/pad./s"),
+        ((node("pad", "far"),), (Relay("/r", at(5), "/far", "/s"),), "/pad./far"),
+    ],
+)
+def test_a_lock_is_the_publisher_of_its_topic(
+    nodes: tuple[GraphNode, ...], relays: tuple[Relay, ...], source: str
+) -> None:
+    lock = MuxInput("stop", "/s", at(91), 50, 300)
+    locked = replace(mux("m", "cout", ("ca", 10)), locks=(lock,))
+    found = configuration_of(Graph("x", nodes, (locked,), relays=relays))[0]
+    assert f"cout is_locked_by {source} 50 hold 300" in map(print_relationship, found.relationships)
+    assert source.partition(".")[0] in [name.text for name in found.modules]
+    shape = lifted(found)
+    splitter = "DataSplitter1" if len(nodes) == 2 else source
+    line = f"ArbitrationNode is_locked_by {splitter} 50 hold 300"
+    assert line in map(print_relationship, shape.relationships)
+
+
+def test_muxes_with_locks_are_not_merged() -> None:
+    outer, inner = mux("m", "cout", ("ca", 10), ("cb", 5)), mux("n", "ca", ("cc", 3))
+    lock = MuxInput("stop", "/s", at(91), 4, "forever")
+    assert "/m is_locked_by stop 4" not in lines(muxes=(outer, inner))
+    found = lines(muxes=(outer, replace(inner, locks=(lock,))))
+    assert {"cout is_controlled_by /n 10 hold 500", "/n is_locked_by stop 4"} <= {*found}
 
 
 def test_a_mux_is_contracted_into_the_node_that_it_controls() -> None:

@@ -12,7 +12,7 @@ from mars_asp.exchange.lift import lifted
 from mars_asp.exchange.recognise import recognised
 from mars_asp.exchange.twist_mux import import_twist_mux
 from mars_asp.language import Parsed, parse_text, print_configuration
-from mars_asp.model.declarations import Configuration, Control
+from mars_asp.model.declarations import Configuration, Control, Lock, ends_of
 from tests.support.documents import ROOT
 from tests.support.fixtures import Captured, Patch
 
@@ -29,9 +29,11 @@ def golden_lines(found: Parsed) -> Iterator[str]:
     for mux in found.configuration.muxes:
         yield f"{mux.span.line}:{mux.span.column}: {mux.engine} before {mux.module}"
     for line in found.configuration.relationships:
-        assert isinstance(line, Control)
+        assert isinstance(line, Control | Lock)
         at = f"{line.span.line}:{line.span.column}"
-        yield f"{at}: {line.controlled} < {line.controller} {line.priority} {line.hold_ms}"
+        controlled, source = ends_of(line)
+        sign = "locked by" if isinstance(line, Lock) else "<"
+        yield f"{at}: {controlled} {sign} {source} {line.priority} {line.hold_ms}"
     yield from map(place, found.warnings)
 
 
@@ -98,6 +100,13 @@ REFUSED = [
     ),
     (f'topics: {{"a\\nb": {INPUT}}}\n',
      ["1:10: error: the name of an input is empty, or has a line break or control character"]),
+    (
+        f"topics: {{i: {INPUT}}}\nlocks: {{a: {{topic: t, timeout: no}}}}\n",
+        [
+            "2:9: error: lock `a` has no `priority`",
+            "2:32: error: the timeout of `a` is `no`, not a number of seconds",
+        ],
+    ),
     (MUX + "3\n", ["4:10: error: input `a` is not a map"]),
     (
         f"{MUX}{INPUT}\n      a: {INPUT}\n",
@@ -154,7 +163,8 @@ SCUTTLE = """topics:
 - {name: tablet, topic: tab, timeout: 0.0, priority: 7}
 - {name: idle, topic: idle, timeout: 0.5, priority: 0}
 locks:
-- {name: stop, topic: stop, timeout: 0.0, priority: 255}
+- {name: tablet, topic: stop, timeout: 0.2, priority: 255}
+rate: 5
 """
 
 
@@ -182,7 +192,7 @@ def test_findings_and_notes_of_unread_parts_have_lines_of_the_file(
         ["robot.txt:2:10", "warning"],
         ["robot.txt:3:10", "warning"],
         ["robot.txt:4:10", "warning"],
-        ["robot.txt:6:10", "note"],
+        ["robot.txt:7:1", "note"],
     ]
     assert status == 0
     for kind in ("ambiguous_priority", "never_expires", "never_wins", "not_read"):
@@ -194,7 +204,7 @@ def test_quiet_hides_notes_of_unread_parts_and_json_keeps_them(mux: Path, capsys
     assert "not read" not in outcome("check --quiet robot.txt", capsys)[2]
     notes = json.loads(outcome("check --quiet --format json robot.txt", capsys)[1])["notes"]
     assert [(note["code"], note["message"]) for note in notes] == [
-        ("not-read", "locks not read: 1 (`stop`)")
+        ("not-read", "parameters not read: 1 (`rate`)")
     ]
 
 
@@ -228,20 +238,22 @@ def test_imported_lines_have_their_origins(mux: Path, capsys: Captured) -> None:
     assert outcome("import twist_mux robot.txt --quiet", capsys)[:2] == (
         0,
         """@specification hierarchical
-@modules cmd_vel_out, "bumper response", tablet, idle, ArbitrationNode
+@modules cmd_vel_out, "bumper response", tablet, idle, stop,
+ArbitrationNode
 // imported from twist_mux
 // ArbitrationNode: commands pass a twist_mux
 cmd_vel_out is_controlled_by ArbitrationNode  // from robot.txt:1
 ArbitrationNode is_controlled_by "bumper response" 7 hold 500  // from robot.txt:2
 ArbitrationNode is_controlled_by tablet 7 hold forever  // from robot.txt:3
 ArbitrationNode is_controlled_by idle 0 hold 500  // from robot.txt:4
+ArbitrationNode is_locked_by stop 255 hold 200  // from robot.txt:6
 """,
     )
 
 
 def meaning(of: Configuration) -> tuple[object, ...]:
-    lines = [(r.controlled, r.controller, r.priority, r.hold_ms)
-             for r in of.relationships if isinstance(r, Control)]  # fmt: skip
+    lines = [(*ends_of(r), r.priority, r.hold_ms)
+             for r in of.relationships if isinstance(r, Control | Lock)]  # fmt: skip
     return of.kind, of.architecture, [name.text for name in of.modules], lines
 
 

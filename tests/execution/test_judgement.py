@@ -7,7 +7,9 @@ import pytest
 from mars_asp.asp.trace import Derived, Given
 from mars_asp.execution.judgement import (
     ALWAYS,
+    GATED,
     ON_REQUEST,
+    REASONS,
     UNDECIDED,
     WARNINGS,
     in_words,
@@ -73,7 +75,8 @@ def test_the_run_rules_have_checked_messages_and_a_requirement_each() -> None:
         for rule in book.rules
         if rule.stage == "run" and rule.text.startswith("consequence(")
     }
-    assert kinds == {*ALWAYS.values(), *ON_REQUEST.values(), *UNDECIDED.values(), *WARNINGS}
+    required = {*ALWAYS.values(), *GATED.values(), *ON_REQUEST.values()}
+    assert kinds == {*required, *UNDECIDED.values(), *WARNINGS, *REASONS}
 
 
 FROM_FILE = '[bindings.C]\npython = "b.py:go"\nperiod = 100\n'

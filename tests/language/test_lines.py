@@ -16,6 +16,8 @@ WORDS = (
     *("uses_data_from", "is_controlled_by", "is_mounted_on", "hierarchical", "allocation root"),
     *("@configuration", "@specification", "@modules", "@sources", "@Modules", "NotifyOnMax(3)"),
     *("1", "+2", "-3", "4.5", ".5", "6.", "7e3", "8e", "٣", "1.2.3", ",", "(", ")", "=", "NotifyX"),
+    *("is_suppressed_by", "is_inhibited_by", "is_reset_by", "is_locked_by", "is_limited_by"),
+    *("is_arbitrated_by", "latest", "weighted", "300", "hold 50", "period 9"),
     *("every", "every 3 s", "C.o", ".i", '."a b"', "Notify-X", '"a b"', "7e3NotifyX"),
 )
 GAPS = ("", " ", "  ", "\t", "\xa0", "\x0b", "\u2028", "\n")
@@ -27,6 +29,10 @@ LINES = (
     "A is_controlled_by B",
     "A is_controlled_by B 3 hold 50 allocation split",
     "A 1 is_mounted_on B 2",
+    "A is_suppressed_by B 300",
+    "A.o is_inhibited_by B.o 20",
+    "A is_locked_by B.stop 200 hold 500",
+    "A is_locked_by B",
     "@configuration hierarchical period 50",
     "@modules A, B ,C",
 )
@@ -51,6 +57,10 @@ def test_common_lines_are_left_to_no_grammar(line: str) -> None:
         "A uses_data_from B 7e3NotifyAtFrequency 10",
         "A uses_data_from B every 10",
         "A uses_data_from B Notify-Me",
+        "A is_reset_by B.done",
+        "A is_limited_by B hold 30",
+        "A is_arbitrated_by flat period 50",
+        "A is_suppressed_by B",
     ],
 )
 def test_all_else_is_left_to_the_grammar(line: str) -> None:

@@ -114,6 +114,9 @@ modes = st.sampled_from(
 )
 
 
+READY = (Mode("NotifyWhenReady", text="NotifyWhenReady"),)
+
+
 @st.composite
 def services(draw: st.DrawFn) -> Service:
     kind = draw(st.sampled_from(SERVICE_KINDS))
@@ -122,6 +125,7 @@ def services(draw: st.DrawFn) -> Service:
     periodic = any(mode.name == "NotifyAtFrequency" for mode in offered)
     delivers = kind in ("Sense", "DataOut")
     inputs = [draw(representations)] if kind == "Converts" else inputs
+    inputs = inputs[: {"Done": 0, "Reset": 1}.get(kind, len(inputs))]
     called = st.lists(parameters, min_size=len(inputs), max_size=len(inputs), unique=True)
     names = draw(st.just([None] * len(inputs)) | called)
     rate = st.builds(Rate, within(FREQUENCY, 6)) | st.builds(
@@ -133,7 +137,7 @@ def services(draw: st.DrawFn) -> Service:
         draw(st.sampled_from(["grab", "Eye::look", "operator()"])),
         draw(st.none() | representations),
         tuple(inputs),
-        tuple(offered) if delivers else (),
+        tuple(offered) if delivers else READY if kind == "Done" else (),
         draw(rate) if delivers and periodic else None,
         tuple(draw(st.lists(st.sampled_from(MOTION_FUNCTIONS), unique=True, max_size=2)))
         if kind == "ControlOut"
@@ -141,12 +145,14 @@ def services(draw: st.DrawFn) -> Service:
         draw(st.integers(1, 99) | st.just(1_000_000)) if kind == "Converts" else 1,
         draw(st.none() | written_names) if delivers else None,
         tuple(names),
+        draw(st.none() | st.integers(1, MOST)),
     )
 
 
 @st.composite
 def modules(draw: st.DrawFn, name: str) -> Module:
-    offered = tuple(draw(st.lists(services(), max_size=3)))
+    each = st.lists(services(), max_size=3)
+    offered = tuple(draw(each.filter(lambda s: [e.kind for e in s].count("Reset") < 2)))
     senses = any(service.kind == "Sense" for service in offered)
     commands = any(service.kind == "ControlOut" for service in offered)
     moves = draw(st.lists(functions, max_size=3, unique_by=lambda f: f.name))

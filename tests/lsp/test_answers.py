@@ -217,6 +217,26 @@ def test_the_comments_of_nodes_name_modules(tmp_path: Path) -> None:
     assert places == [Position(1, 9), Position(2, 21)]
 
 
+def test_side_lines_name_modules(tmp_path: Path) -> None:
+    text = (
+        "@configuration\n@modules A, latest\nA.o is_suppressed_by latest.p 20\n"
+        "latest is_locked_by A hold 5\nlatest is_arbitrated_by latest\nA is_reset_by latest\n"
+    )
+    desk = EditorWorkspace()
+    path = str(tmp_path / "robot.mars")
+    desk.texts[path] = text
+    scene = desk.context(path)
+    assert scene is not None
+    after = edited({"robot.mars": text}, rename(scene, Position(1, 14), "B"))["robot.mars"]
+    assert after.splitlines()[1:] == [
+        "@modules A, B",
+        "A.o is_suppressed_by B.p 20",
+        "B is_locked_by A hold 5",
+        "B is_arbitrated_by latest",
+        "A is_reset_by B",
+    ]
+
+
 def test_a_path_leads_to_its_file(tmp_path: Path) -> None:
     desk = desk_of(tmp_path, TEXTS)
     scene = desk.context(str(tmp_path / "robot.mars"))
@@ -241,6 +261,11 @@ def test_a_path_leads_to_its_file(tmp_path: Path) -> None:
         ("Base is_controlled_by Camera 1, ¦", {"Camera", "left/Arm"}, {"hold"}),
         ("Base is_controlled_by Camera ¦", {"hold", "allocation"}, {"Camera"}),
         ("Base is_controlled_by Camera hold ¦", {"forever"}, {"hold"}),
+        ("Camera.¦", {"grab"}, {"Camera"}),
+        ("Camera.grab is_suppressed_by ¦", {"Camera", "eye"}, {"hold"}),
+        ("Base is_locked_by Camera.grab 5 ¦", {"hold"}, {"allocation"}),
+        ("Base is_arbitrated_by ¦", {"latest", "weighted", "flat"}, {"Camera"}),
+        ("Base is_arbitrated_by flat ¦", {"period"}, {"flat"}),
         ("@configuration ¦", {"flat", "hierarchical", "period"}, {"Camera"}),
         ("@modules Cam¦", {"Camera"}, {"@modules"}),
         ("Camera uses_data_from eye // Ca¦", set(), {"Camera", "hold"}),

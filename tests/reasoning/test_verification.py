@@ -139,7 +139,7 @@ def mutations(
         for other in rng.sample(names, 1):
             if isinstance(line, Data):
                 redirected += [replace(line, source=other), replace(line, client=other)]
-            else:
+            elif isinstance(line, Control):
                 redirected += [replace(line, controller=other), replace(line, controlled=other)]
         for new in redirected:
             if paths(put(index, new), nodes) != before:

@@ -15,10 +15,8 @@ from mars_asp.model.declarations import (
     Function,
     Mode,
     Module,
-    Mount,
     Name,
     NodeKind,
-    Relationship,
     Service,
     Transformation,
     Vertex,
@@ -49,17 +47,17 @@ def mutant(specification: Configuration, rng: random.Random) -> tuple[str, Confi
 
 
 def lines_of(specification: Configuration) -> list[Data | Control]:
-    return [line for line in specification.relationships if not isinstance(line, Mount)]
+    return [line for line in specification.relationships if isinstance(line, Data | Control)]
 
 
-def with_lines(specification: Configuration, lines: Sequence[Relationship]) -> Configuration:
-    """Return a specification with other relationships beside its mounts."""
-    mounts = [line for line in specification.relationships if isinstance(line, Mount)]
+def with_lines(specification: Configuration, lines: Sequence[Data | Control]) -> Configuration:
+    """Return a specification with other lines of data and control beside all others."""
+    others = [r for r in specification.relationships if not isinstance(r, Data | Control)]
     named = {name.text for name in specification.modules}
-    ends = [end for line in lines if not isinstance(line, Mount) for end in _ends(line)]
+    ends = [end for line in lines for end in _ends(line)]
     new = [Name(end, specification.span) for end in dict.fromkeys(ends) if end not in named]
     modules = (*specification.modules, *new)
-    return replace(specification, modules=modules, relationships=(*mounts, *lines))
+    return replace(specification, modules=modules, relationships=(*others, *lines))
 
 
 def _ends(line: Data | Control) -> tuple[str, str]:

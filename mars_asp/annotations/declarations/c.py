@@ -211,7 +211,9 @@ def _read_function(
     `head` are the tokens before, its type and name; `offset` is where these begin.
     """
     parts = units(head)
-    if not parts or parts[-1].kind != "name":
+    # After a type, `auto` is the name of a function in a declared block.
+    is_named = bool(parts) and parts[-1].kind == "name"
+    if not is_named and [part.kind for part in parts] != ["name", "placeholder"]:
         return None
     name = _plain_name(parts[-1].tokens)
     output = type_text(parts[:-1])

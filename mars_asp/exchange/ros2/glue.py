@@ -47,7 +47,7 @@ def handed_on(
     `words` are its arguments, `values` its parameters.
     """
     if program.package == "twist_mux" and program.executable.startswith("joystick_relay"):
-        left_out = (("locks", "joy_priority"), ("topics of markers", "text_marker"))
+        left_out = (("topics of locks", "joy_priority"), ("topics of markers", "text_marker"))
         return Forward("joy_vel_in", "joy_vel_out", None, left_out)
     if program.package != "topic_tools":
         return None

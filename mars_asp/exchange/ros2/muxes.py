@@ -51,11 +51,13 @@ def mux_of(started: Started, name: str, full: str, given: Sequence[Mux]) -> Mux 
         return renamed(written, started.namespace, name, started.remaps)
 
     inputs = tuple(replace(each, topic=known(each.topic)) for each in mux.inputs)
-    return replace(mux, name=full, output=known(output), inputs=inputs)
+    locks = tuple(replace(each, topic=known(each.topic)) for each in mux.locks)
+    return replace(mux, name=full, output=known(output), inputs=inputs, locks=locks)
 
 
 def unbound(mux: Mux) -> Mux:
     """Return a mux of a file that no started node uses, with names in the root namespace."""
     full = "/" + (mux.name or "twist_mux").lstrip("/")
     inputs = tuple(replace(each, topic=joined("/", each.topic)) for each in mux.inputs)
-    return replace(mux, name=full, output=joined("/", mux.output), inputs=inputs)
+    locks = tuple(replace(each, topic=joined("/", each.topic)) for each in mux.locks)
+    return replace(mux, name=full, output=joined("/", mux.output), inputs=inputs, locks=locks)

@@ -107,6 +107,7 @@ _HARMLESS = frozenset(
         "containers of components",
         "nodes that are made but not launched",
         "locks",
+        "topics of locks",
         "parameters",
         "topics of markers",
         "rates of throttles",

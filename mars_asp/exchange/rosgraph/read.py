@@ -116,10 +116,13 @@ def _heard(topic: str, node: GraphNode) -> str | None:
 def _mux(mux: Mux, node: GraphNode | None) -> Mux:
     """Return a mux with full names; its output is the node's only command topic, if it has one."""
     sent = [] if node is None else [end.topic for end in node.published if is_command(end.type)]
-    inputs = tuple(
-        replace(each, topic=(node and _heard(each.topic, node)) or "/" + each.topic.lstrip("/"))
-        for each in mux.inputs
+    inputs, locks = (
+        tuple(
+            replace(each, topic=(node and _heard(each.topic, node)) or "/" + each.topic.lstrip("/"))
+            for each in found
+        )
+        for found in (mux.inputs, mux.locks)
     )
     name = f"/{mux.name or 'twist_mux'}" if node is None else node.name
     output = sent[0] if len(sent) == 1 else "/" + mux.output.lstrip("/")
-    return replace(mux, name=name, output=output, inputs=inputs)
+    return replace(mux, name=name, output=output, inputs=inputs, locks=locks)

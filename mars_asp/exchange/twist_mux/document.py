@@ -200,15 +200,19 @@ class _MuxReader:
             )
         for sort in entries:
             entries[sort] += self.mapped([leaf for leaf in leaves if leaf.parts[0][0] == sort])
-        for lock in entries.get("locks", ()):
-            self.unread.append(Unread("locks", lock.name, lock.span))
+        if not entries.get("topics"):
+            unused = entries.get("locks", ())
+            self.unread += (Unread("locks", lock.name, lock.span) for lock in unused)
         for listening, engine in _ENGINES.items():
             if entries.get(listening):
                 found = tuple(self.inputs(entries[listening]))
+                locks: tuple[MuxInput, ...] = ()
                 if engine == "twist_mux":
+                    locks = tuple(self.inputs(entries.get("locks", ()), "lock"))
                     self.warn_of_high(found, entries[listening])
+                    self.warn_of_high(locks, entries.get("locks", ()))
                 at = spans[listening]
-                self.muxes.append(Mux("/".join(names), engine, at, output, found))
+                self.muxes.append(Mux("/".join(names), engine, at, output, found, locks=locks))
 
     def listed(self, items: Items) -> Iterator[_MuxEntry]:
         """Yield the entries of a list of maps; a repeated name gets a number.
@@ -275,20 +279,21 @@ class _MuxReader:
         for name, span in spans.items():
             yield _MuxEntry(name, span, fields[name])
 
-    def inputs(self, entries: Sequence[_MuxEntry]) -> Iterator[MuxInput]:
-        """Yield the complete inputs of a mux, and note the errors of the others."""
+    def inputs(self, entries: Sequence[_MuxEntry], word: str = "input") -> Iterator[MuxInput]:
+        """Yield the complete inputs of a mux, or its locks, and note the errors of the others."""
         for entry in entries:
             if read_name(written(entry.name)) is None:
-                message = "the name of an input is empty, or has a line break or control character"
+                owner = "an input" if word == "input" else "a lock"
+                message = f"the name of {owner} is empty, or has a line break or control character"
                 self.wrong(entry.span, message, "write a name of one visible line")
             for what, (key, _) in entry.fields.items():
                 if what not in _FIELDS:
-                    self.unread.append(Unread("keys of inputs", f"{entry.name}.{what}", key.span))
+                    self.unread.append(Unread(f"keys of {word}s", f"{entry.name}.{what}", key.span))
             missing = [what for what in _FIELDS if what not in entry.fields]
             if missing:
                 self.wrong(
                     entry.span,
-                    f"input `{entry.name}` has no {' and no '.join(f'`{m}`' for m in missing)}",
+                    f"{word} `{entry.name}` has no {' and no '.join(f'`{m}`' for m in missing)}",
                     "state its topic, its timeout in seconds and its priority",
                 )
             topic = self.topic(entry)

@@ -4,12 +4,13 @@ from collections.abc import Sequence
 from pathlib import PurePath
 
 from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
+from mars_asp.exchange.locks import lock_line, lock_names
 from mars_asp.exchange.twist_mux.document import read_document
 from mars_asp.exchange.unite import united
 from mars_asp.exchange.unread import notes
 from mars_asp.exchange.yaml_document import MOST_BYTES
 from mars_asp.language import Parsed
-from mars_asp.model.declarations import Configuration, Control, Muxed, Name
+from mars_asp.model.declarations import Configuration, Control, Lock, Muxed, Name
 from mars_asp.model.names import read_name
 
 
@@ -50,7 +51,8 @@ def import_twist_mux(text: str, path: str, within: str = "") -> Parsed:
     """Return the configuration of a mux file, with warnings, and notes of skipped contents.
 
     The output of a mux becomes a module, and each input a controller of that module, with its
-    priority and its timeout as hold. All names get the prefix `within`.
+    priority and its timeout as hold. Its locks are those of the module. All names get the prefix
+    `within`.
 
     Raises:
         MarsError: the file is not YAML, or its muxes have errors (all of them are listed).
@@ -62,7 +64,7 @@ def import_twist_mux(text: str, path: str, within: str = "") -> Parsed:
     document = read_document(text, path)
     names: dict[str, Name] = {}
     problems: list[Diagnostic] = []
-    controls: list[Control] = []
+    lines: list[Control | Lock] = []
     muxed: list[Muxed] = []
     for mux in document.muxes:
         # Several muxes of one file may name their inputs alike.
@@ -77,10 +79,13 @@ def import_twist_mux(text: str, path: str, within: str = "") -> Parsed:
             names.setdefault(name, Name(name, span))
         name = mux.name if read_name(mux.name) == mux.name else mux.engine
         muxed.append(Muxed(controlled, mux.engine, mux.span, name=within + name, topic=mux.output))
-        controls += (
+        lines += (
             Control(controlled, before + i.name, i.span, i.priority, i.hold_ms, topic=i.topic)
             for i in mux.inputs
         )
+        locks = lock_names(mux, before, names)
+        lines += (lock_line(controlled, locks[each], each) for each in mux.locks)
+        names |= {locks[each]: Name(locks[each], each.span) for each in mux.locks}
     if problems:
         raise MarsError(problems)
     configuration = Configuration(
@@ -89,7 +94,7 @@ def import_twist_mux(text: str, path: str, within: str = "") -> Parsed:
         architecture="hierarchical",
         declares_architecture=True,
         modules=tuple(names.values()),
-        relationships=tuple(controls),
+        relationships=tuple(lines),
         muxes=tuple(muxed),
     )
     return Parsed(configuration, (*document.warnings, *notes(document.unread)))

@@ -13,11 +13,11 @@ from mars_asp.model.declarations import (
     GRASP,
     MOTION_FUNCTIONS,
     Configuration,
-    Control,
-    Data,
     Function,
     Module,
     Mount,
+    ends_of,
+    verb_of,
 )
 
 #: A sort of lines and annotations that URDF cannot hold.
@@ -82,10 +82,8 @@ def _left_out(configuration: Configuration, modules: Mapping[str, Module]) -> It
             case Mount(mounting, mounted):
                 links |= {mounting, mounted}
                 vertices |= {(mounting, line.mounting_vertex), (mounted, line.mounted_vertex)}
-            case Control(controlled):
-                yield Unread("lines with `is_controlled_by`", controlled, line.span)
-            case Data(client):
-                yield Unread("lines with `uses_data_from`", client, line.span)
+            case _:
+                yield Unread(f"lines with `{verb_of(line)}`", ends_of(line)[0], line.span)
     for name in configuration.modules:
         if name.text not in links:
             yield Unread("modules without a mount", name.text, name.span)

@@ -18,6 +18,7 @@ class Behaviour:
     for other modules that no input triggers. `delay` (ns) passes before a result is sent.
     `position()` returns the values of an effector's motions in degrees and mm; without it, they are
     computed from its commands. `place` is the file and line of the user's function.
+    `reset(message)` is called at a reset.
     """
 
     call: Callable[..., Any]
@@ -25,3 +26,4 @@ class Behaviour:
     delay: int = 0
     position: Callable[[], Mapping[str, float]] | None = None
     place: tuple[str, int] | None = None
+    reset: Callable[..., Any] | None = None

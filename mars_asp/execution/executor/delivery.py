@@ -21,7 +21,12 @@ class Condition:
     """Sends those messages that fulfil the condition of a delivery mode."""
 
     def __init__(self, link: Link, mode: Mode) -> None:
-        self.link, self.fulfilled, self.of = link, condition(mode), mode.of
+        self.link, self.mode, self.of = link, mode, mode.of
+        self.renew()
+
+    def renew(self) -> None:
+        """Forget the messages before, as at the start."""
+        self.fulfilled = condition(self.mode)
 
     def offer(self, message: Message) -> None:
         """Send a message if it fulfils the condition."""
@@ -78,7 +83,7 @@ class LatestBuffer:
         self.link, self.upstream = link, upstream
         self.unread: Message | None = None
         self.outstanding = False
-        link.request = self.request
+        link.request, link.forget = self.request, self.forget
 
     def offer(self, message: Message) -> None:
         """Answer an outstanding request with a message, or store the message."""
@@ -99,6 +104,11 @@ class LatestBuffer:
         self.outstanding = True
         if self.upstream is not None:
             self.upstream()
+
+    def forget(self) -> bool:
+        """Forget an outstanding request; return whether there was one."""
+        outstanding, self.outstanding = self.outstanding, False
+        return outstanding
 
 
 def open_link(
@@ -122,7 +132,7 @@ def open_link(
         if carried.name == ON_REQUEST and hz is not None and upstream is not None:
             # A message is requested at each tick from a source that answers requests.
             kept = LatestBuffer(link, upstream)
-            link.request = None
+            link.request, link.forget = None, lambda: False
             schedule.every(hz, rank, kept.request)
             return kept.offer
         if hz is None or (carried.name == AT_FREQUENCY and hz == rate):

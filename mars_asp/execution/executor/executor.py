@@ -1,21 +1,32 @@
 """The executor: builds and connects all modules and nodes, and steps in simulated time."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.execution.executor.arbitration import FlatArbitration, HierarchicalArbitration
 from mars_asp.execution.executor.behaviour import Behaviour
+from mars_asp.execution.executor.channel import Channel, Draws, LinkFault
 from mars_asp.execution.executor.delivery import (
     AT_FREQUENCY,
     ON_REQUEST,
+    Condition,
     Offer,
     lacks_value,
     open_link,
 )
+from mars_asp.execution.executor.gate import Gate, Trigger
 from mars_asp.execution.executor.link import Failures, Link, Message, Observer
-from mars_asp.execution.executor.modules import COMMAND_TIMEOUT, Algorithm, Effector, Sensor
+from mars_asp.execution.executor.modules import (
+    COMMAND_TIMEOUT,
+    Algorithm,
+    Completion,
+    Effector,
+    Resetting,
+    Sensor,
+)
 from mars_asp.execution.executor.nodes import (
     ControlSplitter,
     DataSplitter,
@@ -34,7 +45,8 @@ class Executor:
     """Runs a specification, or a configuration without nodes, in simulated time.
 
     `behaviours` has one entry for each module, converters included; only sinks may lack one.
-    `command_timeout` is in ns. `observe` is called with every event.
+    `command_timeout` is in ns. `observe` is called with every event. `faults` are those of links,
+    drawn from `seed`.
 
     Raises:
         MarsError: with all modules that have no behaviour or would never run, and all ambiguities.
@@ -47,6 +59,8 @@ class Executor:
         behaviours: Mapping[str, Behaviour],
         command_timeout: int = COMMAND_TIMEOUT,
         observe: Observer | None = None,
+        faults: Sequence[LinkFault] = (),
+        seed: int = 0,
     ) -> None:
         self.plan = Plan(configuration, modules, behaviours)
         self.command_timeout, self.observe = command_timeout, observe
@@ -62,11 +76,21 @@ class Executor:
         self._left = self.plan.left_to_providers()
         for link in self.plan.links:
             link.schedule, link.observe = self.schedule, observe
+        draws = {fault.ends: Draws(seed, *fault.ends) for fault in faults}
+        channels = [
+            self._channel(link, [fault for fault in faults if fault.ends == ends], draws[ends])
+            for link in self.plan.links
+            if (ends := (link.source, link.client)) in draws
+        ]
         # In the order of cascades, so that timers of one instant are in this order as well.
         for name in sorted(self.plan.names, key=self.plan.depth):
             self.elements[name] = self._build(name)
         for name in self.plan.names:
             self._join(name)
+        for name in self.plan.names:
+            self._join_resets(name)
+        for channel in channels:
+            channel.delay_withdrawal()
 
     @property
     def links(self) -> tuple[Link, ...]:
@@ -95,13 +119,26 @@ class Executor:
         """Run all events up to and including `time` (ns)."""
         self.schedule.step_until(time)
 
+    def finish(self) -> None:
+        """Count the messages that the end of the run leaves unused."""
+        for element in self.elements.values():
+            if isinstance(element, Algorithm):
+                element.finish()
+
     def _data_ranks(self) -> list[tuple[int, bool]]:
         """Return the keys (depth, is output) of the ranks of joins and clocks, in order."""
         plan = self.plan
-        waiting = (name for name in plan.names if self._clock(name) or len(plan.data_in[name]) > 1)
+        waiting = (
+            name
+            for name in plan.names
+            if plan.side_in[name]
+            or plan.inner.get(name)
+            or self._clock(name)
+            or len(plan.data_in[name]) > 1
+        )
         ranks = {(plan.data_depth[name], False) for name in waiting}
         for link in plan.links:
-            if link.kind == "data" and plan.carried(link)[0].name == AT_FREQUENCY:
+            if link.stream == "data" and plan.carried(link)[0].name == AT_FREQUENCY:
                 ranks.add((plan.data_depth[link.source], True))
         return sorted(ranks)
 
@@ -125,7 +162,7 @@ class Executor:
             kind = plan.kind(name)
             if name in plan.behaviours or kind == "sink":
                 problems += self._never_runs(name, span)
-            elif kind in ("sensor", "data_out", "control_out") or (
+            elif kind in ("sensor", "data_out", "control_out", "completion") or (
                 kind == "effector" and plan.control_in[name]
             ):
                 problems.append(_unbound(name, kind, span))
@@ -147,7 +184,8 @@ class Executor:
             for problem in _stands_for_none(plan, node, spans.get(node, whole))
         ]
         problems += [_open_input(plan, link) for link in plan.links if plan.left_open(link)]
-        links = (link for link in plan.links if link.kind == "data")
+        problems += [_no_side(plan, link) for link in plan.links if plan.lacks_node(link)]
+        links = (link for link in plan.links if link.stream == "data")
         problems += [_no_value(plan, k) for k in links if lacks_value(plan.carried(k)[0])]
         if problems:
             raise MarsError(problems)
@@ -185,9 +223,15 @@ class Executor:
                 self._left.get(name, frozenset()),
             )
             return self.effectors[name]
+        if kind == "completion":
+            return Completion(name, behaviour, self.schedule)
+        if kind == "reset":
+            return None
         if kind == "arbitration_node":
             self.arbiters[name] = self._arbiter(name)
             return self.arbiters[name]
+        if kind == "gate_node":
+            return Gate(name, self.schedule, self._gate_rank(name), self.observe)
         if kind == "data_splitter":
             return DataSplitter()
         if kind == "data_transformer":
@@ -211,7 +255,8 @@ class Executor:
         hz = self._clock(name)
         on_request = kind == "data_out" and self.plan.made(name)[0].name == ON_REQUEST
         rank = DATA
-        if hz is not None or len(self.plan.data_in[name]) > 1:
+        resets = self.plan.is_reset(name) or any(self.plan.inner.get(name, ()))
+        if hz is not None or len(self.plan.data_in[name]) > 1 or resets:
             rank = self._ranks[self.plan.data_depth[name], False]
         if kind == "control_out":
             rank = self.schedule.control + self.plan.depth(name)
@@ -226,21 +271,52 @@ class Executor:
             ),
             rank=rank,
         )
+        for service in self.plan.services(name):
+            algorithm.functions = algorithm.functions or service.commands
+            if service.window_ms is not None:
+                algorithm.window = service.window_ms * MILLISECOND
+                algorithm.delays = {
+                    sender: each.delay
+                    for sender, each in self.plan.behaviours.items()
+                    if self.plan.kind(sender) != "completion"
+                }
+        if resets or algorithm.window is not None:
+            algorithm.held = {}
         self._demands[name] = algorithm.run
         if hz is not None:
             self.schedule.every(hz, rank, algorithm.run)
         return algorithm
 
+    def _gate_rank(self, name: str) -> int:
+        """Return the rank at which nothing before it in an instant can reach a trigger."""
+        depth = self.plan.depth(name)
+        if depth > 0:
+            return self.schedule.control + depth
+        return self._ranks[self.plan.data_depth[name], False]
+
     def _arbiter(self, name: str) -> FlatArbitration | HierarchicalArbitration:
         plan = self.plan
         rank, outputs = self.schedule.control + plan.depth(name), plan.control_out[name]
-        if plan.configuration.architecture == "flat":
-            declared = plan.configuration.period_ms
+        line = plan.strategies.get(name)
+        strategy = plan.configuration.architecture if line is None else line.strategy
+        # With a side line, the commands of one controller are not averaged.
+        several = len(plan.control_in[name]) > 1 or (line is None and not plan.side_in[name])
+        if strategy in ("flat", "weighted") and several:
+            own = None if line is None else line.period_ms
+            declared = plan.configuration.period_ms if own is None else own
             period = DEFAULT_PERIOD if declared is None else declared * MILLISECOND
-            return FlatArbitration(name, period, self.schedule, rank, outputs)
-        stops = plan.reaches_effector(name)
+            return FlatArbitration(
+                name,
+                period,
+                self.schedule,
+                rank,
+                outputs,
+                weighted=strategy == "weighted",
+                timeout=self.command_timeout,
+            )
+        stops, equal = plan.reaches_effector(name), strategy != "hierarchical"
         return HierarchicalArbitration(
-            name, self.schedule, rank, outputs, stops=stops, observe=self.observe
+            name, self.schedule, rank, outputs, stops=stops, equal=equal, observe=self.observe
         )
 
     def _converter(self, name: str) -> Behaviour:
@@ -253,14 +329,90 @@ class Executor:
         plan, element = self.plan, self.elements[name]
         for link in plan.data_out[name]:
             element.offers.append(self._offer(name, link))
-        if isinstance(element, Sensor | Algorithm):
+        if isinstance(element, Sensor | Algorithm | Completion):
             element.outputs += [*plan.data_out[name], *plan.control_out[name]]
         if isinstance(element, Algorithm):
+            element.bounds_others = plan.bounds_others(name)
+        if isinstance(element, Algorithm | Gate):
             element.offers += [link.send for link in plan.control_out[name]]
+        if isinstance(element, Gate):
+            element.outputs += plan.control_out[name]
         for link in plan.data_in[name]:
             link.receive = self._data_receiver(element, link)
         for link in plan.control_in[name]:
             link.receive = self._control_receiver(element, link)
+        for link in plan.side_in[name]:
+            link.receive = self._side_receiver(element, link)
+
+    def _channel(self, link: Link, faults: Sequence[LinkFault], draws: Draws) -> Channel:
+        is_answer = link.stream == "data" and self.plan.carried(link)[0].name == ON_REQUEST
+        rank = DATA
+        if link.stream == "control":
+            rank = self.schedule.control + self.plan.depth(link.source)
+
+        def cancel() -> None:
+            if is_answer:
+                self._cancel(link.client)
+
+        return Channel(link, faults, draws, rank, cancel)
+
+    def _cancel(self, name: str) -> None:
+        """End the wait of a module or node for a lost answer, and of those that wait for it."""
+        element = self.elements[name]
+        if isinstance(element, Algorithm):
+            if not element.waiting:
+                return
+            element.waiting = False
+        for link in self.plan.data_out[name]:
+            if link.forget():
+                self._cancel(link.client)
+
+    def _join_resets(self, name: str) -> None:
+        """Join the parts of a module: its completions, and its resets if it has any."""
+        plan = self.plan
+        if plan.kind(name) == "completion":
+            for part in plan.parts(name.rpartition(".")[0]):
+                self._join_completion(self.elements[part], self.elements[name])
+        resets = [link for link in plan.side_in[name] if link.kind == "reset"]
+        if not resets:
+            return
+        parts = plan.parts(name)
+        done = [self.elements[part] for part in parts if plan.kind(part) == "completion"]
+        running = [self.elements[part] for part in parts]
+        own = self.elements[name]
+        resetting = Resetting(
+            plan.behaviours.get(name),
+            [each for each in running if isinstance(each, Sensor | Algorithm)],
+            partial(self._renew_all, parts),
+            done[0] if done else None,
+            getattr(own, "failures", Failures()),
+            self.schedule,
+        )
+        if own is None:
+            self.elements[name] = resetting
+        for link in resets:
+            link.receive = resetting.receive
+
+    def _join_completion(self, element: Any, done: Completion) -> None:
+        if isinstance(element, Sensor | Algorithm | Effector):
+            if element.completion is None:
+                element.completion = done
+            elif element.completion is not done:
+                element.completion.following = done
+
+    def _renew_all(self, names: Sequence[str]) -> None:
+        for name in names:
+            self._renew(name)
+
+    def _renew(self, name: str) -> None:
+        """Restart the conditional modes of the outputs of a module, also after splitters."""
+        for offer in getattr(self.elements[name], "offers", ()):
+            condition = getattr(offer, "__self__", None)
+            if isinstance(condition, Condition):
+                condition.renew()
+        for link in self.plan.data_out[name]:
+            if self.plan.kind(link.client) in ("data_splitter", "data_transformer"):
+                self._renew(link.client)
 
     def _offer(self, name: str, link: Link) -> Offer:
         made, mode = self.plan.made(name), self.plan.carried(link)[0]
@@ -285,18 +437,43 @@ class Executor:
     def _data_receiver(self, element: Any, link: Link) -> Callable[[Message], None]:
         if isinstance(element, Algorithm):
             return element.input(link, self.plan.carried(link)[0].name == ON_REQUEST)
+        if isinstance(element, Gate):
+            return element.input(link)
         receive: Callable[[Message], None] = element.receive
         return receive
+
+    def _side_receiver(self, element: Any, link: Link) -> Callable[[Message], None]:
+        if isinstance(element, Gate):
+            late = link.stream == "control" and self.plan.stream(link.client) == "data"
+            boolean, in_circle = self.plan.is_boolean(link), self.plan.in_circle(link)
+            return element.trigger(Trigger(link, boolean, late, in_circle))
+        if isinstance(element, FlatArbitration | HierarchicalArbitration):
+            return element.bounds.input(link)
+        return lambda message: None
 
     def _control_receiver(self, element: Any, link: Link) -> Callable[[Message], None]:
         if isinstance(element, HierarchicalArbitration):
             return element.input(link, self.plan.hold(link))
         if isinstance(element, Algorithm):
             return element.input(link, False)
-        if isinstance(element, FlatArbitration | Effector):
+        if isinstance(element, FlatArbitration | Effector | Gate):
             return element.input(link)
+        if isinstance(element, ControlSplitter | InheritanceNode):
+            link.withdrawn = element.withdraw
         receive: Callable[[Message], None] = element.receive
         return receive
+
+
+def _no_side(plan: Plan, link: Link) -> Diagnostic:
+    word, node = {
+        "suppress": ("suppressed", "a Gate"),
+        "inhibit": ("inhibited", "a Gate"),
+        "lock": ("locked", "an ArbitrationNode"),
+        "limit": ("limited", "an ArbitrationNode"),
+    }[link.kind]
+    message = f"`{link.client}` is {word} by `{link.source}`, and it is not {node}"
+    help_text = "synthesise the configuration: its specification has the node"
+    return Diagnostic("side-line", "error", message, link.span, (), help_text)
 
 
 def _no_value(plan: Plan, link: Link) -> Diagnostic:

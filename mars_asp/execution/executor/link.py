@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, Protocol, TypeAlias
 
 from mars_asp.behaviour.imports import place_of
 from mars_asp.behaviour.values import shown
@@ -35,7 +35,12 @@ message_of: Callable[[tuple[Any, int, str, int | None, int | None]], Message] = 
 )
 
 
-#: Called with the time, kind, location and value of every delivery, holding and fault.
+#: What flows over a link.
+Stream: TypeAlias = Literal["data", "control"]
+#: The kinds of links that end at the side of a Gate, an arbiter or a module.
+SideKind: TypeAlias = Literal["suppress", "inhibit", "lock", "limit", "reset"]
+
+#: Called with the time, kind, location and value of every delivery, holding, closing and fault.
 Observer: TypeAlias = Callable[[int, str, str, object], None]
 
 
@@ -73,30 +78,52 @@ def _text_of(error: Exception) -> str:
         return name
 
 
+class FaultyChannel(Protocol):
+    """The counts of a link with faults: messages sent, lost and under way."""
+
+    in_flight: int
+    #: The time (ns) of the first arrival.
+    first: int | None
+
+    def sent_before(self, time: Fraction) -> int:
+        """Return the number of messages sent before a time (ns), which must be recent."""
+
+    def lost_before(self, time: Fraction) -> int:
+        """Return the number of messages lost before a time (ns), which must be recent."""
+
+
 @dataclass(slots=True, eq=False)
 class Link:
     """One relationship of the specification, with the counts of its messages.
 
     `dropped` counts by reason: `lowered` (for a lower rate), `unread` (overtaken before it was
-    requested), `overtaken` (by another command of the instant), `failed` (an exception; `fault` is
-    the first). `failures` are exceptions of the link itself, for example of its condition. `hold`
-    and ages are in ns.
+    requested), `overtaken` (by another command of the instant), `suppressed` and `inhibited` (by a
+    closed Gate), `lost` (by a fault of the link), `failed` (an exception; `fault` is the first).
+    `failures` are exceptions of the link itself, for example of its condition. `declared` is
+    the priority as written; `hold`, the `time` for which a trigger closes, and ages are in ns.
+    `stream` is the stream that a link of another kind carries. `withdrawn` is called when the last
+    command of the link is withdrawn, `forget` when the answer to its request is lost.
     """
 
-    kind: Literal["data", "control"]
+    kind: Stream | SideKind
     source: str
     client: str
     span: Span
     mode: Mode | None = None
     hz: Fraction | None = None
     priority: int = 0
+    declared: int | None = None
     hold: int | None = None
+    time: int = 0
+    stream: Stream = "data"
     allocation: str | None = None
     client_port: str | None = None
     #: The index of the input that the link feeds; several links may feed one input.
     slot: int = 0
     receive: Callable[[Message], None] = lambda message: None
     request: Callable[[], None] | None = None
+    forget: Callable[[], bool] = lambda: False
+    withdrawn: Callable[[], None] = lambda: None
     delivered: int = 0
     #: The times (ns) of the last deliveries.
     latest: deque[int] = field(default_factory=lambda: deque(maxlen=8))
@@ -109,6 +136,12 @@ class Link:
     oldest: int = 0
     schedule: Schedule = field(default_factory=Schedule)
     observe: Observer | None = None
+    #: The faults of the link, or None if it has none.
+    channel: FaultyChannel | None = None
+    send: Callable[[Message], None] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.send = self.deliver
 
     @property
     def faulty(self) -> bool:
@@ -119,7 +152,7 @@ class Link:
         """Return the number of messages delivered before a time (ns), which must be recent."""
         return self.delivered - sum(at >= time for at in self.latest)
 
-    def send(self, message: Message) -> None:
+    def deliver(self, message: Message) -> None:
         """Deliver a message at once."""
         now = self.schedule.now
         self.delivered += 1

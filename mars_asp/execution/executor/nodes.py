@@ -56,6 +56,11 @@ class ControlSplitter:
         for link in self.outputs:
             link.send(message)
 
+    def withdraw(self) -> None:
+        """Withdraw the last command from every output."""
+        for link in self.outputs:
+            link.withdrawn()
+
 
 class InheritanceNode:
     """Divides a command among the effectors that provide its functions, in their frames.
@@ -101,6 +106,12 @@ class InheritanceNode:
             names = ", ".join(sorted(lacking))
             for link in list(self.providers.values())[:1]:
                 link.fail(LookupError(f"nothing provides {names} at this posture"), message)
+
+    def withdraw(self) -> None:
+        """Withdraw the last command from every provider."""
+        self.moving.clear()
+        for link in self.providers.values():
+            link.withdrawn()
 
     def shares(self, function: str) -> list[tuple[str, str, float]]:
         """Return the shares in one unit of a function: (provider, native function, rate).

@@ -8,20 +8,25 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from mars_asp.execution.executor.behaviour import Behaviour
 from mars_asp.execution.executor.delivery import AT_FREQUENCY, ON_REQUEST, WHEN_READY
-from mars_asp.execution.executor.link import Link
+from mars_asp.execution.executor.link import Link, Stream
 from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
 from mars_asp.model.declarations import (
-    FOREVER,
     MOTION_FUNCTIONS,
     Configuration,
     Control,
     Data,
+    Gating,
+    Limit,
+    Lock,
     Mode,
     Module,
     Mount,
+    Relationship,
+    Reset,
     Service,
+    Strategy,
 )
-from mars_asp.model.ports import free_positions, input_position, inputs
+from mars_asp.model.ports import DELIVERING, free_positions, input_position, inputs
 from mars_asp.reasoning.synthesis.inheritance_nodes import InheritanceNodes
 
 if TYPE_CHECKING:
@@ -30,6 +35,10 @@ if TYPE_CHECKING:
 DEFAULT_HOLD = 200 * MILLISECOND
 #: Longer (ns) than any run.
 ENDLESS = 2**62
+#: The kinds of modules and nodes that send commands; a Gate sends what its line carries.
+_COMMANDING = ("control_out", "arbitration_node", "control_splitter", "inheritance_node")
+#: The kinds of nodes that forward data in the mode of their input.
+_FORWARDING = ("data_splitter", "data_transformer", "gate_node")
 
 
 class Slot(NamedTuple):
@@ -57,35 +66,117 @@ class Plan:
         self.data_out: defaultdict[str, list[Link]] = defaultdict(list)
         self.control_in: defaultdict[str, list[Link]] = defaultdict(list)
         self.control_out: defaultdict[str, list[Link]] = defaultdict(list)
+        #: The links that end at the side of a Gate (triggers), an arbiter or a module.
+        self.side_in: defaultdict[str, list[Link]] = defaultdict(list)
+        self.strategies: dict[str, Strategy] = {}
         self.inheriting = InheritanceNodes(configuration, self.modules)
         for relationship in configuration.relationships:
             self._add(relationship)
+        self._join_sides()
         #: The inputs of each module, in the order of the arguments of its function.
         self.slots = {name: self._slots(name) for name in {**self.data_in, **self.control_in}}
         ends = (end for link in self.links for end in (link.source, link.client))
         self.names = tuple(dict.fromkeys([*(n.text for n in configuration.modules), *ends]))
+        #: What reaches a part of a module within it: resets, and computations its completion.
+        self.inner: defaultdict[str, list[Link]] = defaultdict(list)
+        self._join_parts()
         self.data_depth = self._data_depths()
+        #: With lines to sides: the depth of each name among commands, -1 for data, and its circle.
+        self.stages: dict[str, int] = {}
+        self.circles: dict[str, int] = {}
+        if any(self.side_in.values()) or self.inner:
+            self._order_sides()
 
-    def _add(self, relationship: Mount | Control | Data) -> None:
-        if isinstance(relationship, Mount):
-            return
-        if isinstance(relationship, Data):
-            hz = None if relationship.hz is None else Fraction(relationship.hz)
-            ends = relationship.source, relationship.client
-            link = Link("data", *ends, relationship.span, relationship.mode, hz)
-            link.client_port = relationship.client_port
-            into, out = self.data_in, self.data_out
-        else:
-            hold = relationship.hold_ms
-            ends = relationship.controller, relationship.controlled
-            link = Link("control", *ends, relationship.span)
-            link.priority = relationship.priority or 0
-            link.hold = None if hold is None else ENDLESS if hold == FOREVER else hold * MILLISECOND
-            link.allocation = relationship.allocation
-            into, out = self.control_in, self.control_out
+    def _add(self, relationship: Relationship) -> None:
+        span = relationship.span
+        match relationship:
+            case Data():
+                hz = None if relationship.hz is None else Fraction(relationship.hz)
+                ends = relationship.source, relationship.client
+                link = Link("data", *ends, span, relationship.mode, hz)
+                link.client_port = relationship.client_port
+                self.data_in[link.client].append(link)
+                self.data_out[link.source].append(link)
+            case Control():
+                hold = relationship.hold_ms
+                ends = relationship.controller, relationship.controlled
+                link = Link("control", *ends, span, stream="control")
+                link.declared, link.priority = relationship.priority, relationship.priority or 0
+                link.hold = ENDLESS if isinstance(hold, str) else _nanoseconds(hold)
+                link.allocation = relationship.allocation
+                self.control_in[link.client].append(link)
+                self.control_out[link.source].append(link)
+            case Strategy():
+                self.strategies[relationship.controlled] = relationship
+                return
+            case Mount():
+                return
+            case _:
+                link = _side_link(relationship)
+                self.side_in[link.client].append(link)
         self.links.append(link)
-        into[link.client].append(link)
-        out[link.source].append(link)
+
+    def _join_sides(self) -> None:
+        """Add the links to sides to what their sources send, in the order of the relationships.
+
+        The stream of an undescribed source that sends nothing else is that of the other end.
+        """
+        place = {link: number for number, link in enumerate(self.links)}
+        for link in self.links:
+            if link.kind in ("data", "control"):
+                continue
+            if self.is_node(link.source) or link.source in self.modules or self._sends(link.source):
+                link.stream = self.stream(link.source)
+            elif link.kind == "limit":
+                link.stream = "control"
+            elif link.kind in ("suppress", "inhibit"):
+                link.stream = self.stream(link.client)
+            out = self.control_out if link.stream == "control" else self.data_out
+            out[link.source].append(link)
+            out[link.source].sort(key=lambda each: place[each])
+
+    def _join_parts(self) -> None:
+        """Add how the resets and computations of a module reach its other parts."""
+        resets = [name for name in self.names if self.is_reset(name)]
+        for name in resets:
+            self._join_inner(name, [each for each in self.parts(name) if each != name])
+        for done in (name for name in self.names if self.kind(name) == "completion"):
+            for part in self.parts(done.rpartition(".")[0]):
+                if self.kind(part) != "completion" and part not in resets:
+                    self._join_inner(part, [done])
+
+    def _join_inner(self, source: str, clients: Sequence[str]) -> None:
+        for client in clients:
+            link = Link("data", source, client, self.modules[client].span)
+            self.inner[client].append(link)
+
+    def is_reset(self, name: str) -> bool:
+        """Whether lines reset a module."""
+        return any(link.kind == "reset" for link in self.side_in[name])
+
+    def parts(self, owner: str) -> Sequence[str]:
+        """Return the parts of a module that run, itself included, in their order."""
+        span = self.modules[owner].span if owner in self.modules else None
+        return [
+            name
+            for name in self.names
+            if name == owner or (name.startswith(f"{owner}.") and self.modules[name].span == span)
+        ]
+
+    def _reaching(self, name: str) -> Sequence[Link]:
+        return (
+            *(*self.data_in[name], *self.control_in[name]),
+            *(*self.side_in[name], *self.inner.get(name, ())),
+        )
+
+    def _sends(self, name: str) -> bool:
+        return bool(self.data_out[name] or self.control_out[name])
+
+    def stream(self, name: str) -> Stream:
+        """Return the stream that a module or node sends."""
+        kind = self.kind(name)
+        commands = bool(self.control_in[name]) if kind == "gate_node" else kind in _COMMANDING
+        return "control" if commands else "data"
 
     def _slots(self, name: str) -> tuple[Slot, ...]:
         """Return the inputs of a module that links feed, and set the `slot` of each link."""
@@ -131,6 +222,86 @@ class Plan:
                     ready.append(link.client)
         return depths
 
+    def _order_sides(self) -> None:
+        """Set the depths of all names so that all that can reach a trigger has a lower one.
+
+        The names of a circle have one depth.
+        """
+        import networkx as nx  # noqa: PLC0415 -- used by few files
+
+        graph = nx.DiGraph()
+        graph.add_nodes_from(self.names)
+        graph.add_edges_from((link.source, link.client) for link in self.links)
+        inner = (link for links in self.inner.values() for link in links)
+        graph.add_edges_from((link.source, link.client) for link in inner)
+        circles = nx.condensation(graph)
+        self.circles = circles.graph["mapping"]
+        for number in nx.topological_sort(circles):
+            members = circles.nodes[number]["members"]
+            depth, stage = 0, -1
+            for name in members:
+                for link in self._reaching(name):
+                    if self.in_circle(link) or self._acts_late(link):
+                        continue
+                    if link.stream == "data":
+                        depth = max(depth, self.data_depth[link.source] + 1)
+                    stage = max(stage, self.stages[link.source])
+            for name in members:
+                self.data_depth[name] = depth
+                self.stages[name] = stage + self._adds_stage(name, stage)
+
+    def _adds_stage(self, name: str, stage: int) -> int:
+        """Return by how much a name is deeper among commands than what reaches it."""
+        kind = self.kind(name)
+        if kind == "gate_node":
+            return 1 + (stage < 0) if self.control_in[name] else int(stage >= 0)
+        if kind == "arbitration_node" or (kind == "control_out" and self.control_in[name]):
+            return 1 + (stage < 0)
+        return int(kind == "control_out" and stage < 0)
+
+    def _acts_late(self, link: Link) -> bool:
+        """Whether a command triggers a Gate of data: it acts from the next instant on."""
+        is_gate = link.kind in ("suppress", "inhibit")
+        return is_gate and link.stream == "control" and self.stream(link.client) == "data"
+
+    def in_circle(self, link: Link) -> bool:
+        """Whether what a link brings can come back to its source."""
+        return self.circles[link.source] == self.circles[link.client]
+
+    def is_gated(self, name: str) -> bool:
+        """Whether a node forwards what passed a Gate, through nodes only."""
+        while self.kind(name) in ("data_splitter", "data_transformer") and self.data_in[name]:
+            name = self.data_in[name][0].source
+        return self.kind(name) == "gate_node"
+
+    def bounds_others(self, name: str) -> bool:
+        """Whether the commands of a module limit others, through any nodes."""
+        links = list(self.control_out[name])
+        for link in links:  # the loop appends to it
+            if link.kind == "control" and self.is_node(link.client):
+                links += (each for each in self.control_out[link.client] if each not in links)
+        return any(link.kind == "limit" for link in links)
+
+    def lacks_node(self, link: Link) -> bool:
+        """Whether the end of a link has no side at which the link could end."""
+        kind = self.kind(link.client)
+        gate, bound = link.kind in ("suppress", "inhibit"), link.kind in ("lock", "limit")
+        return (gate and kind != "gate_node") or (bound and kind != "arbitration_node")
+
+    def is_boolean(self, link: Link) -> bool | None:
+        """Whether the messages of a link are truths, or None if that is unknown."""
+        name, seen = link.source, set[str]()
+        while name not in seen:
+            seen.add(name)
+            for conversion in self.configuration.conversions:
+                if conversion.transformer == name:
+                    return _is_boolean(conversion.target)
+            if not self.is_node(name) or not self.data_in[name]:
+                break
+            name = self.data_in[name][0].source
+        outputs = [s.output for s in self.services(name) if s.kind in DELIVERING]
+        return None if not outputs or outputs[0] is None else _is_boolean(outputs[0])
+
     def input_name(self, link: Link) -> str | None:
         """Return the name of the input that a data link feeds, or None if it is unknown."""
         known = self._declared_inputs(link.client) if link.kind == "data" else ()
@@ -138,7 +309,7 @@ class Plan:
 
     def origin_of(self, link: Link) -> str:
         """Return, as text, the modules from which a link's messages come, through any nodes."""
-        if link.kind == "control":
+        if link.stream == "control":
             return " or ".join(dict.fromkeys(self._commanders(link.source)))
         source, seen = link.source, set[str]()
         while self.is_node(source) and source not in seen and self.data_in[source]:
@@ -152,8 +323,8 @@ class Plan:
         if not self.is_node(name):
             port = link.client_port
             return [name if port is None else f"{name}.{port}"]
-        following = self.data_out[name] if link.kind == "data" else self.control_out[name]
-        if name in seen:
+        following = self.data_out[name] if link.stream == "data" else self.control_out[name]
+        if name in seen or link.kind not in ("data", "control"):
             return []
         found = (target for each in following for target in self.targets_of(each, seen | {name}))
         return list(dict.fromkeys(found))
@@ -174,6 +345,8 @@ class Plan:
     def topic_of(self, link: Link) -> str | None:
         """Return the topic of a link in recordings, or None for a link between two nodes."""
         origin, targets = self.origin_of(link), self.targets_of(link)
+        if link.kind not in ("data", "control"):
+            return None if self.is_node(link.source) else f"/{origin}/{link.client}"
         if self.is_node(link.source):
             if self.is_node(link.client):
                 return None
@@ -201,11 +374,14 @@ class Plan:
             ("DataOut", "data_out"),
             ("ControlOut", "control_out"),
             ("DataIn", "sink"),
+            ("Done", "completion"),
         ):
             if kind in kinds:
                 return called
         if name in self.modules and self.modules[name].functions:
             return "effector"
+        if "Reset" in kinds:
+            return "reset"
         return self._guess(name)
 
     def _guess(self, name: str) -> str:
@@ -225,7 +401,7 @@ class Plan:
 
         Of several offered modes, the one that its single link states is used, or else the first.
         """
-        service = next((s for s in self.services(name) if s.kind in ("Sense", "DataOut")), None)
+        service = next((s for s in self.services(name) if s.kind in DELIVERING), None)
         if service is None or not service.modes:
             return Mode(WHEN_READY), None
         requested = [link.mode for link in self.data_out[name] if link.mode is not None]
@@ -239,14 +415,14 @@ class Plan:
         mode, hz = link.mode, link.hz
         if mode is None or (mode.name == AT_FREQUENCY and hz is None):
             fed, rate = self.made(link.source)
-            is_node = self.kind(link.source) in ("data_splitter", "data_transformer")
+            is_node = self.kind(link.source) in _FORWARDING
             mode = mode or (fed if is_node else self.offered(link.source)[0])
             hz = rate if mode.name == AT_FREQUENCY else None
         return mode, hz
 
     def made(self, name: str) -> tuple[Mode, Fraction | None]:
         """Return the mode and rate of the messages of a module, or of the input of a node."""
-        if self.kind(name) in ("data_splitter", "data_transformer"):
+        if self.kind(name) in _FORWARDING:
             feeding = self.data_in[name]
             return self.carried(feeding[0]) if feeding else (Mode(WHEN_READY), None)
         mode, hz = self.offered(name)
@@ -283,7 +459,12 @@ class Plan:
         return DEFAULT_HOLD if hz is None else round(Fraction(5 * SECOND, 2) / hz)
 
     def depth(self, name: str, seen: frozenset[str] = frozenset()) -> int:
-        """Return how many arbiters and commanded controllers a path to `name` has at most."""
+        """Return how many arbiters and commanded controllers a path to `name` has at most.
+
+        With lines to sides, Gates count as well, and -1 is the depth of data.
+        """
+        if self.stages:
+            return self.stages[name]
         if name in seen:
             return 0
         kind = self.kind(name)
@@ -376,3 +557,28 @@ class Plan:
             for link in self.control_in[name]
             for commander in self._commanders(link.source, seen | {name})
         ]
+
+
+def _side_link(line: Gating | Reset | Lock | Limit) -> Link:
+    """Return the link of a relationship that ends at the side of a Gate, arbiter or module."""
+    match line:
+        case Gating():
+            link = Link(line.sign, line.trigger, line.gated, line.span)
+            link.time = line.ms * MILLISECOND
+        case Reset():
+            link = Link("reset", line.source, line.module, line.span)
+        case Lock():
+            link = Link("lock", line.source, line.controlled, line.span, declared=line.priority)
+            link.hold = _nanoseconds(line.hold_ms)
+        case Limit():
+            link = Link("limit", line.source, line.controlled, line.span)
+            link.hold = _nanoseconds(line.hold_ms)
+    return link
+
+
+def _is_boolean(representation: str) -> bool:
+    return representation.lower().endswith("bool")
+
+
+def _nanoseconds(milliseconds: int | None) -> int | None:
+    return None if milliseconds is None else milliseconds * MILLISECOND

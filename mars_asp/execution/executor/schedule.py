@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 SECOND = 1_000_000_000
 MILLISECOND = 1_000_000
+MICROSECOND = 1_000
 SENSORS, DATA = 0, 1
 Action: TypeAlias = Callable[[], object]
 

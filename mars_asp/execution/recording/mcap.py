@@ -132,7 +132,7 @@ class Foxglove:
 
     def observe(self, at: int, what: str, where: str, value: object) -> None:
         """Write an event `what` (see `Event`) of the link or node `where` at a time in ns."""
-        if what in ("data", "control"):
+        if where in self._topics and what != "failed":
             topic = self._topics[where]
             if topic is not None:
                 self._add(Entry(at, topic, "mars_asp.Message", {"value": plain(value)}))
@@ -160,6 +160,9 @@ def _log_entry(event: Event) -> Entry:
     if what == "holds":
         holder, why = value
         level, message = _INFO, f"{holder or 'no controller'} holds control: {why}"
+    elif what == "gate":
+        _, trigger, until = value
+        level, message = _INFO, f"{trigger} closes it until {until / SECOND:g} s"
     else:
         level, message = _WARNING, f"a message was dropped: {value}"
     log = {

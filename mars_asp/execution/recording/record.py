@@ -11,7 +11,11 @@ _json = JSONEncoder(allow_nan=False).encode
 
 
 class Event(NamedTuple):
-    """An event (`data`, `control`, `holds` or `failed`) at a time (ns) on a link or node."""
+    """An event at a time (ns) on a link or node.
+
+    It is `data` or `control`, or for lines to sides `suppress`, `inhibit`, `lock`, `limit` or
+    `reset`; at nodes it is `holds` or `gate`, and for dropped messages `failed`.
+    """
 
     at: int
     what: str

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from mars_asp.diagnostic import Diagnostic, Severity
 from mars_asp.execution.executor.plan import Plan
 from mars_asp.execution.scenario.functions import bound_functions, converting
+from mars_asp.execution.scenario.link_faults import absent_links
 from mars_asp.execution.scenario.read import Scenario, ScenarioRobot
 from mars_asp.execution.scenario.vary import CHANGED
 from mars_asp.model.declarations import MOTION_FUNCTIONS, node_kind
@@ -38,6 +39,7 @@ def disagreements(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
         if name not in bound and not (has_parts and "python" not in declared):
             yield _unknown_name("bindings", name, modules, left, scenario)
     yield from _faults(plan, scenario)
+    yield from absent_links(plan, scenario)
     for robot in scenario.robots:
         within = (robot.reach or {}).get("within", 0)
         if within > scenario.duration:

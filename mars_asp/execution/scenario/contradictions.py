@@ -33,6 +33,7 @@ def contradictions(tables: Mapping[str, Any], wrong: Iterable[Mistake]) -> Itera
     for name, start in late_faults(sound.get("faults", {}), duration):
         message = f"the fault of `{name}` begins at {start:g} s, and the run ends at {duration:g} s"
         yield Mistake(("faults", name, "from"), message, "let it begin earlier")
+    yield from _contradictory_links(sound.get("links", ()), duration)
     for name, device in sound.get("devices", {}).items():
         for number, entry_message, help_text in _misplaced(device.get("script", ()), duration):
             yield Mistake(("devices", name, "script", number), entry_message, help_text)
@@ -76,6 +77,30 @@ def _disordered(sound: Mapping[str, Any]) -> Iterator[Mistake]:
                 elif low == high and name == "faults":
                     message = f"the fault of `{module}` ends at {high:g} s, when it begins"
                     yield Mistake((name, module, second), message, "let it end later")
+
+
+def _contradictory_links(links: Sequence[Any], duration: float) -> Iterator[Mistake]:
+    """Yield faults of links that end when they begin, begin after the end or overlap."""
+    spans: dict[tuple[str, str], list[tuple[float, float]]] = {}
+    for number, entry in enumerate(links):
+        if entry is None or not {"from", "to"} <= entry.keys():
+            continue
+        ends = entry["from"], entry["to"]
+        since, until = entry.get("since", 0), entry.get("until", inf)
+        link = "`{} -> {}`".format(*ends)
+        if until <= since:
+            message = f"the fault of {link} ends at {until:g} s, and begins at {since:g} s"
+            yield Mistake(("links", number, "until"), message, "let it end later")
+        elif since >= duration:
+            message = (
+                f"the fault of {link} begins at {since:g} s, and the run ends at {duration:g} s"
+            )
+            yield Mistake(("links", number, "since"), message, "let it begin earlier")
+        elif any(since < end and begin < until for begin, end in spans.get(ends, ())):
+            message = f"two faults of {link} are there at {since:g} s"
+            help_text = "state one for each period, by `since` and `until`"
+            yield Mistake(("links", number), message, help_text)
+        spans.setdefault(ends, []).append((since, until))
 
 
 def _misplaced(script: Sequence[Any], duration: float) -> Iterator[tuple[int, str, str]]:

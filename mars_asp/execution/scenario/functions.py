@@ -43,13 +43,22 @@ class Functions:
     contexts: dict[str, Context] = field(default_factory=dict)
     problems: list[Diagnostic] = field(default_factory=list)
 
-    def behaviour(self, name: str, path: Path, called: str) -> Behaviour | None:
-        """Return the behaviour by a function or class of a file, or None and a new problem."""
-        declared = self.scenario.bindings.get(name, {})
+    def behaviour(
+        self,
+        name: str,
+        path: Path,
+        called: str,
+        given: tuple[EntryPoint, ...] | None = None,
+    ) -> Behaviour | None:
+        """Return the behaviour by a function or class of a file, or None and a new problem.
+
+        `given` are the inputs of a function for resets.
+        """
+        declared = _binding(name, self.plan.modules, self.scenario)
         shown = f"{normpath(path)}:{called}"
         try:
             folder = self._folder(path, name)
-            call, place = self._find_function(name, folder, path.resolve(), called)
+            call, place = self._find_function(name, folder, path.resolve(), called, given)
         except UnfitError as error:
             message, help_text = error.args[0], error.help.replace("NAME", name)
         except KeyboardInterrupt:
@@ -70,6 +79,25 @@ class Functions:
         )
         return None
 
+    def resetting(self, name: str, path: Path, called: str) -> Callable[..., Any] | None:
+        """Return the function `@Reset` of a module, a method beside its function, or None."""
+        module = self.plan.modules.get(name)
+        services = module.services if module is not None else ()
+        service = next((each for each in services if each.kind == "Reset"), None)
+        if service is None or service.function is None:
+            return None
+        if not is_in_source(service):
+            owner = _class_in(path, called)
+            called = f"{owner}.{service.function}" if owner else service.function
+        else:
+            path, called = Path(service.span.path), _qualified(service)
+        given = (EntryPoint("the reset"),) if service.inputs else ()
+        behaviour = self.behaviour(name, path, called, given)
+        if behaviour is None:
+            return None
+        call = behaviour.call
+        return call if given else lambda message: call()
+
     def _folder(self, path: Path, name: str) -> Folder:
         several = len(self.scenario.robots) > 1 and "/" in name
         key = name.partition("/")[0] if several else "", folder_of(path.resolve())
@@ -78,7 +106,12 @@ class Functions:
         return self.folders[key]
 
     def _find_function(
-        self, name: str, folder: Folder, path: Path, called: str
+        self,
+        name: str,
+        folder: Folder,
+        path: Path,
+        called: str,
+        given: tuple[EntryPoint, ...] | None,
     ) -> tuple[Callable[..., Any], tuple[str, int] | None]:
         """Return the callable that `called` names in a file, and its location if known."""
         if not path.is_file():
@@ -95,7 +128,7 @@ class Functions:
                 target = method_of(target, self._annotated(name, target))
             if not callable(target):
                 raise UnfitError(f"`{called}` is not a function", "name a function or a class")
-            inputs_of_module = entries(self.plan, name)
+            inputs_of_module = entries(self.plan, name) if given is None else given
             return prepared(target, context, self.clock, inputs_of_module, knows=knows), _place_of(
                 target
             )
@@ -129,7 +162,8 @@ class Functions:
     def _annotated(self, name: str, instance: object) -> str | None:
         """Return the annotated method of an object, or None if the annotations name none."""
         module = self.plan.modules.get(name)
-        named = [service.function for service in module.services] if module else []
+        services = module.services if module else ()
+        named = [service.function for service in services if service.kind != "Reset"]
         return next((each for each in named if each and hasattr(instance, each)), None)
 
     def _binding_span(self, name: str) -> Span:
@@ -215,11 +249,15 @@ def bind_functions(plan: Plan, scenario: Scenario, clock: Clock) -> dict[str, Be
     """
     functions = Functions(plan, scenario, clock)
     known = {*plan.names, *converting(plan)}
-    bound = {
-        name: functions.behaviour(name, *place)
-        for name, place in bound_functions(plan.modules, scenario, plan.names)
-        if name in known
-    }
+    bound: dict[str, Behaviour | None] = {}
+    for name, place in bound_functions(plan.modules, scenario, plan.names):
+        if name not in known:
+            continue
+        only_reset = name in plan.names and plan.kind(name) == "reset"
+        behaviour = Behaviour(lambda: None) if only_reset else functions.behaviour(name, *place)
+        if behaviour is not None:
+            behaviour = replace(behaviour, reset=functions.resetting(name, *place))
+        bound[name] = behaviour
     if functions.problems:
         raise MarsError(functions.problems)
     return {n: faulty(each, scenario, n, clock) for n, each in bound.items() if each is not None}
@@ -262,21 +300,54 @@ def bound_functions(
     """
     converters = [m.name for m in modules.values() if any(s.kind == "Converts" for s in m.services)]
     for name in dict.fromkeys([*names, *converters, *scenario.bindings]):
-        place = _bound_location(scenario.bindings.get(name, {}), modules.get(name), scenario)
+        module = modules.get(name)
+        place = _bound_location(_binding(name, modules, scenario), module, scenario)
         if name not in scenario.devices and place is not None:
             yield name, place
+
+
+def _binding(name: str, modules: Mapping[str, Module], scenario: Scenario) -> Mapping[str, Any]:
+    """Return the binding of a module; parts of one with `@Done` have that of the module."""
+    own, owner = scenario.bindings.get(name, {}), modules.get(name.rpartition(".")[0])
+    if "python" in own or owner is None or name not in modules:
+        return own
+    parts = [each for n, each in modules.items() if n.startswith(f"{owner.name}.")]
+    family = [each for each in parts if each.span == owner.span]
+    completes = any(s.kind == "Done" for each in family for s in each.services)
+    return scenario.bindings.get(owner.name, own) if modules[name] in family and completes else own
 
 
 def _bound_location(
     binding: Mapping[str, Any], module: Module | None, scenario: Scenario
 ) -> tuple[Path, str] | None:
+    services = module.services if module else ()
     if "python" in binding:
         file, _, function = binding["python"].rpartition(":")
-        return scenario.path.parent / file, function
-    for service in module.services if module else ():
-        if service.function and service.span.path.endswith(".py"):
+        path = scenario.path.parent / file
+        done = [s.function for s in services if s.kind == "Done"]
+        if done and len(services) == 1 and (owner := _class_in(path, function)):
+            function = f"{owner}.{done[0]}"
+        return path, function
+    for service in services:
+        if is_in_source(service) and (service.kind != "Reset" or services == (service,)):
             return Path(service.span.path), _qualified(service)
     return None
+
+
+def is_in_source(service: Service) -> bool:
+    """Whether a Python source has the function of a service."""
+    return bool(service.function) and service.span.path.endswith(".py")
+
+
+def _class_in(path: Path, called: str) -> str:
+    """Return the class that `called` names in a file, or that of its method; "" for neither."""
+    try:
+        tree = ast.parse(path.read_bytes())
+    except (OSError, SyntaxError, ValueError, RecursionError):
+        return ""  # the import reports the error
+    classes = {node.name for node in tree.body if isinstance(node, ast.ClassDef)}
+    first = called.partition(".")[0]
+    return first if first in classes else ""
 
 
 def _qualified(service: Service) -> str:

@@ -42,7 +42,8 @@ class ScenarioRobot:
 class Scenario:
     """A checked scenario; tables are as in the file, lengths in mm, times mostly in seconds.
 
-    `places` has the locations of requirements, devices, bindings, faults and `scatter`.
+    `places` has the locations of requirements, devices, bindings, faults, names of links
+    and `scatter`.
     """
 
     path: Path
@@ -56,6 +57,7 @@ class Scenario:
     devices: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     bindings: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     faults: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    links: Sequence[Mapping[str, Any]] = ()
     requirements: Mapping[str, Any] = field(default_factory=dict)
     places: Mapping[str, Span] = field(default_factory=dict)
 
@@ -99,6 +101,9 @@ def read_scenario(text: str, path: Path, changes: Changes = UNCHANGED) -> Scenar
         named = tables.get(table, ())
         places |= {f"{table}.{module}": placed(table, module) for module in named}
     places["scatter"] = placed("world", "scatter")
+    for number, _ in enumerate(tables.get("links", ())):
+        ends = ("from", "to")
+        places |= {f"links.{number}.{end}": placed("links", number, end) for end in ends}
     declared, up = tables["robot"], tables.get("up", "y")
     reach = tables.get("requirements", {}).get("reach")
     robots = tuple(

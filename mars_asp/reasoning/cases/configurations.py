@@ -12,7 +12,7 @@ from mars_asp.asp.cases.outcomes import shown_beside
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.language.parse import read_text
-from mars_asp.model.declarations import Control, node_names
+from mars_asp.model.declarations import Control, Strategy, node_names
 from mars_asp.model.names import written
 from mars_asp.reasoning.findings import SEVERITIES, consequence_kinds, kinds_of
 from mars_asp.reasoning.project import load_project
@@ -110,7 +110,9 @@ def snapshot(path: Path, rulebook: Rulebook) -> str:
     new = [SNAPSHOT, *(f"# expect: {each}" for each in robot.reported if each.severity != "note")]
     new.append(f"# expect findings: {_all(robot.findings)}")
     if robot.is_realised:
-        new.append(f"# expect nodes: {_all(robot.nodes)}")
+        # A snapshot without Gates states what it stated before there were any.
+        nodes = {name: count for name, count in robot.nodes.items() if count or name != "Gate"}
+        new.append(f"# expect nodes: {_all(nodes)}")
         new.append(f"# expect cost: {_all(robot.cost)}")
     else:
         new.append(f"# expect: {_NONE}")
@@ -198,13 +200,20 @@ class _Robot:
 
     @cached_property
     def orders(self) -> tuple[str, ...]:
-        """Return the order of the controllers of each module with several, by rising priority."""
+        """Return the order of the controllers of each module with several, by rising priority.
+
+        Only modules that hierarchical control arbitrates have one.
+        """
         configuration = self._reasoner.project.configuration
+        strategies: dict[str, str] = {}
+        for line in configuration.relationships:
+            if isinstance(line, Strategy):
+                strategies.setdefault(line.controlled, line.strategy)
         ranks: dict[str, dict[str, int]] = {}
-        for line in (
-            configuration.relationships if configuration.architecture == "hierarchical" else ()
-        ):
-            if isinstance(line, Control):
+        for line in configuration.relationships:
+            if not isinstance(line, Control):
+                continue
+            if strategies.get(line.controlled, configuration.architecture) == "hierarchical":
                 ranks.setdefault(line.controlled, {})[line.controller] = line.priority or 0
         return tuple(
             f"{written(module)}: {_ranked(of)}" for module, of in ranks.items() if len(of) > 1

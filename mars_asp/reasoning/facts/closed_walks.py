@@ -4,17 +4,18 @@ from collections.abc import Iterable, Iterator
 
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.model.cycles import Knot, knots
-from mars_asp.model.declarations import Control, Data, Mount, Relationship
+from mars_asp.model.declarations import Control, Data, Gating, Mount, Relationship
+from mars_asp.reasoning.facts.ends import Ends
 
 #: The kinds of relationships, as facts about cycles name them.
-KNOTS = ("data", "control", "mount")
+KNOTS = ("data", "control", "mount", "gate")
 #: Of a longer cycle, modules in the middle are left out in messages.
 _MOST_SPELT = 20
 
 
-def closed_walks(lines: Iterable[tuple[int, Relationship]]) -> Iterator[Fact]:
+def closed_walks(lines: Iterable[tuple[int, Relationship]], ends: Ends) -> Iterator[Fact]:
     """Yield the facts of the cycles among numbered relationships of one kind."""
-    data, control, mounts = [], [], []
+    data, control, mounts, gates = [], [], [], []
     spans = {}
     for number, relationship in lines:
         spans[number] = relationship.span
@@ -25,7 +26,10 @@ def closed_walks(lines: Iterable[tuple[int, Relationship]]) -> Iterator[Fact]:
                 control.append((controlled, controller, number))
             case Mount(mounting, mounted):
                 mounts.append((mounting, mounted, number))
-    for kind, edges in zip(KNOTS, (data, control, mounts), strict=True):
+            case Gating(_, trigger, trigger_port=port):
+                taken = ends.taken(trigger, port), ends.gated(relationship)
+                gates.append((*taken, number))
+    for kind, edges in zip(KNOTS, (data, control, mounts, gates), strict=True):
         for index, knot in enumerate(knots(edges)):
             of = Atom(kind), index
             for step, (start, end, number) in enumerate(knot.walk):

@@ -11,7 +11,9 @@ from mars_asp.diagnostic import Span, point
 from mars_asp.model.declarations import (
     FOREIGN,
     FOREVER,
+    GATING,
     NODE_NAMES,
+    STRATEGIES,
     Allocation,
     Architecture,
     Configuration,
@@ -19,15 +21,20 @@ from mars_asp.model.declarations import (
     Data,
     Engine,
     Function,
+    Gating,
+    Limit,
+    Lock,
     Mode,
     Module,
     Mount,
     Relationship,
+    Reset,
     Service,
+    Strategy,
     ends_of,
 )
 from mars_asp.model.described import CLASSES, annotated_classes, described_modules
-from mars_asp.model.ports import outputs
+from mars_asp.model.ports import DELIVERING, outputs
 from mars_asp.model.rates import as_written
 from mars_asp.output import encodable
 from mars_asp.reasoning.facts.closed_walks import KNOTS, closed_walks
@@ -99,7 +106,7 @@ FRAMES = frozenset(
 NOWHERE = point("<imported>", 1, 1)
 #: The constants that facts are made of: a rule pack that replaced one would read other facts.
 CONSTANTS: frozenset[str] = frozenset(
-    {*get_args(Architecture), *get_args(Allocation), *NODE_NAMES, *CLASSES, *KNOTS}
+    {*get_args(Architecture), *get_args(Allocation), *NODE_NAMES, *CLASSES, *KNOTS, *STRATEGIES}
     | {*get_args(Engine), *FOREIGN, FOREVER, ANY.name, NONE.name, "zero", "generic"}
     # Constants by which rule packs describe the kinds of nodes that they provide.
     | {"control", "data", "one", "several"}
@@ -128,6 +135,9 @@ class Compiler:
             rates_in(configuration, self.described),
             _names(self.described),
         )
+        strategies = any(isinstance(line, Strategy) for _, line in self.numbered)
+        #: Whether numbers of controllers differ from the order of a list.
+        self.states_numbers = configuration.architecture == "flat" or strategies
         #: The output names of modules with several, by module and `id` of the service.
         self.called = {
             (name, id(module.services[number])): self.naming.ends.output(name, port)
@@ -160,7 +170,8 @@ class Compiler:
             self.facts += loose_ends(self.configuration, described, ends, lines, canonical)
             self.facts += rounded_rates(self.configuration, ends, ends.services(described), rates)
             self.resemblances()
-            self.facts += closed_walks(lines)
+            self.truths()
+            self.facts += closed_walks(lines, ends)
         return self.facts
 
     def heading(self) -> None:
@@ -237,7 +248,7 @@ class Compiler:
                 if relationship.priority is not None:
                     self.add(span, "priority", number, relationship.priority)
                     # In other cases a list of controllers can state the same order.
-                    if self.configuration.architecture == "flat" and not relationship.listed:
+                    if self.states_numbers and not relationship.listed:
                         self.add(span, "stated_priority", number)
                 if relationship.hold_ms is not None:
                     self.add(span, "hold", number, hold_term(relationship.hold_ms))
@@ -246,7 +257,50 @@ class Compiler:
             case Mount(mounting, mounted):
                 at, on = relationship.mounting_vertex or 0, relationship.mounted_vertex or 0
                 self.add(span, "is_mounted_on", number, mounting, at, mounted, on)
+            case _:
+                self.side_line(number, relationship)
         self.place(number, span)
+
+    def side_line(self, number: int, line: Gating | Reset | Lock | Limit | Strategy) -> None:
+        """Add the facts of a gate, reset, lock, limit or strategy; `number` is its identifier."""
+        span, taken = line.span, self.naming.ends.taken
+        match line:
+            case Gating(gated, trigger):
+                ends = self.naming.ends.gated(line), taken(trigger, line.trigger_port)
+                self.add(span, GATING[line.sign], number, *ends)
+                self.add(span, "gated_module", number, gated)
+                self.add(span, "closes_for", number, line.ms)
+                if line.port is not None:
+                    self.add(span, "names_gated_port", number)
+            case Reset(module, source):
+                self.add(span, "is_reset_by", number, module, taken(source, line.source_port))
+            case Lock(controlled, source):
+                source = taken(source, line.source_port)
+                self.add(span, "is_locked_by", number, controlled, source)
+                if line.priority is not None:
+                    self.add(span, "lock_priority", number, line.priority)
+            case Limit(controlled, source):
+                source = taken(source, line.source_port)
+                self.add(span, "is_limited_by", number, controlled, source)
+            case Strategy(controlled):
+                self.add(span, "is_arbitrated_by", number, controlled, Atom(line.strategy))
+                if line.period_ms is not None:
+                    self.add(span, "mean_period", number, line.period_ms)
+                return
+        if isinstance(line, Lock | Limit) and line.hold_ms is not None:
+            self.add(span, "bound_hold", number, line.hold_ms)
+        self.add(span, "taken_from", number, ends_of(line)[1])
+        port = line.trigger_port if isinstance(line, Gating) else line.source_port
+        if port is not None:
+            self.add(span, "names_port", number)
+
+    def truths(self) -> None:
+        """Add the representations that a lock hears as they are, if there are locks."""
+        locks = [line for line in self.configuration.relationships if isinstance(line, Lock)]
+        if locks:
+            names = set(self.naming.names.canonical.values())
+            for name in sorted(name for name in names if name.lower().endswith("bool")):
+                self.add(locks[0].span, "truth", name)
 
     def words(self) -> None:
         """Add the text of each mode together with its rate, once for each."""
@@ -272,7 +326,7 @@ class Compiler:
                 yield relationship.mode, relationship.hz, ANY, relationship.span
         for module in self.described.values():
             for service in module.services:
-                if service.kind in ("Sense", "DataOut"):
+                if service.kind in DELIVERING:
                     for mode in service.modes:
                         hz = service.hz if mode.name == PERIODIC else None
                         yield mode, hz, NONE, service.span
@@ -286,7 +340,14 @@ class Compiler:
                 ends = canonical[source], canonical[target]
                 self.add(span, "converts", number, name, *ends, service.cost)
             return
-        if service.kind in ("Sense", "DataOut"):
+        if service.kind == "Reset":
+            self.add(span, "has_reset", number, name)
+            return
+        if service.kind == "Done":
+            self.add(span, "completion", number)
+        if service.window_ms is not None:
+            self.add(span, "window", number, service.window_ms)
+        if service.kind in DELIVERING:
             self.offer(number, name, service)
         for function in service.commands:
             self.add(span, "commands", number, name, function)

@@ -8,7 +8,7 @@ from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.diagnostic import Span
 from mars_asp.language.print import print_mode, print_number, print_transformation
 from mars_asp.model.declarations import Configuration, Module, Service
-from mars_asp.model.ports import inputs, outputs
+from mars_asp.model.ports import DELIVERING, inputs, outputs
 from mars_asp.model.rates import as_written
 from mars_asp.model.transformation import normalized
 
@@ -112,7 +112,9 @@ def _aspects(
     yield "inputs", ", ".join(own) or _NONE
     if service.kind == "ControlOut":
         yield "functions", ", ".join(sorted(set(service.commands))) or _NONE
-    if service.kind in ("Sense", "DataOut"):
+    if service.window_ms is not None:
+        yield "window", f"{service.window_ms} ms"
+    if service.kind in DELIVERING:
         yield "representation", _representation(service.output, canonical)
         # Modes are equal whatever their texts are.
         modes = (print_mode(replace(mode, text="")) for mode in service.modes)

@@ -4,11 +4,21 @@ An output has the name of its module or, if the module has several, `MODULE.PORT
 A port of an undescribed module is assumed to exist; rules check the ports of described modules.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from mars_asp.model.declarations import Configuration, Data, Module, Service
+from mars_asp.model.declarations import (
+    Configuration,
+    Data,
+    Gating,
+    Limit,
+    Lock,
+    Module,
+    Relationship,
+    Reset,
+    Service,
+)
 from mars_asp.model.names import end
 from mars_asp.model.ports import DELIVERING, Input, inputs, outputs
 from mars_asp.model.remembered import remembered
@@ -58,6 +68,17 @@ class Ends:
             return self._clients.get((data.client, None))
         return self._clients.get((data.client, port), end(data.client, port))
 
+    def taken(self, module: str, port: str | None) -> str:
+        """Return the name of the output, or else of the module, that a side line names."""
+        return self._sources.get((module, port), module if port is None else end(module, port))
+
+    def gated(self, line: Gating) -> str:
+        """Return the name of the output or input that a line gates."""
+        place = line.gated, line.port
+        if line.port is not None and place not in self._sources and place in self._clients:
+            return self._clients[place]
+        return self.taken(*place)
+
     def output(self, module: str, port: str) -> str:
         """Return the name of an output in facts: `MODULE.PORT`, or `MODULE` if it has only one."""
         return self._sources.get((module, port), module)
@@ -93,6 +114,12 @@ def ends_in(configuration: Configuration, described: Mapping[str, Module]) -> En
             entered.setdefault(line.client, {})[line.client_port] = None
         elif line.client in several_inputs:
             entered.setdefault(line.client, {})
+    for module, port in side_outputs(configuration.relationships):
+        named.setdefault(module, {})[port] = None
+    for each in configuration.relationships:
+        if isinstance(each, Gating) and each.port is not None:
+            is_input = _is_input(each, described, named, entered)
+            (entered if is_input else named).setdefault(each.gated, {})[each.port] = None
     taken = {name.text for name in configuration.modules}
     every: dict[str, Output] = {}
     sources: dict[tuple[str, str | None], str] = {}
@@ -119,6 +146,36 @@ def ends_in(configuration: Configuration, described: Mapping[str, Module]) -> En
     return Ends(every, entries, sources, clients, declared)
 
 
+def side_outputs(lines: Iterable[Relationship]) -> Iterator[tuple[str, str]]:
+    """Yield the outputs that lines of gates, resets, locks and limits take, as module and port."""
+    for line in lines:
+        match line:
+            case Gating(trigger_port=str(port)):
+                yield line.trigger, port
+            case (
+                Reset(source_port=str(port))
+                | Lock(source_port=str(port))
+                | Limit(source_port=str(port))
+            ):
+                yield line.source, port
+
+
+def _is_input(
+    line: Gating,
+    described: Mapping[str, Module],
+    named: Mapping[str, Mapping[str, None]],
+    entered: Mapping[str, Mapping[str, None]],
+) -> bool:
+    """Whether a line gates an input: the port is one, and no output has its name.
+
+    `named` are the outputs, `entered` the inputs that other lines name, by their modules.
+    """
+    module = described.get(line.gated)
+    if module is not None:
+        return line.port in inputs(module) and line.port not in outputs(module)
+    return line.port in entered.get(line.gated, ()) and line.port not in named.get(line.gated, ())
+
+
 def _has_several_inputs(module: Module) -> bool:
     # Most modules have few parameters, and need no names for them.
     if sum(len(service.inputs) for service in module.services) < 2:
@@ -140,6 +197,8 @@ def ends_of_specification(
     for line in specification.relationships:
         if isinstance(line, Data) and line.source_port is not None:
             named.setdefault(line.source, set()).add(line.source_port)
+    for source, port in side_outputs(specification.relationships):
+        named.setdefault(source, set()).add(port)
     known = {module for module, _ in ends._sources}
     alone: dict[tuple[str, str | None], str] = {}
     for module in named.keys() - known:

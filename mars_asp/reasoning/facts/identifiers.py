@@ -16,12 +16,18 @@ from mars_asp.model.declarations import (
     Control,
     Data,
     Function,
+    Gating,
     Hold,
+    Limit,
+    Lock,
     Mode,
     Module,
     Mount,
     Relationship,
+    Reset,
     Service,
+    Strategy,
+    ends_of,
 )
 from mars_asp.model.modes import parse_mode
 from mars_asp.model.remembered import remembered
@@ -110,6 +116,7 @@ _ENDS: Mapping[type[Relationship], Callable[[Relationship], tuple[str, str]]] = 
     Data: attrgetter("client", "source"),
     Control: attrgetter("controlled", "controller"),
     Mount: attrgetter("mounting", "mounted"),
+    **dict.fromkeys((Gating, Reset, Lock, Limit, Strategy), ends_of),
 }
 
 
@@ -123,3 +130,13 @@ def _content(relationship: Relationship) -> tuple[object, ...]:
             return (priority or 0, str(hold or 0), allocation or "", span)
         case Mount(_, _, span, at, on):
             return (at or 0, on or 0, span)
+        case Gating(_, _, span, sign, ms, port, trigger_port):
+            return (sign, port or "", trigger_port or "", ms, span)
+        case Reset(_, _, span, port):
+            return (port or "", span)
+        case Lock(_, _, span, priority, hold, port):
+            return (port or "", -1 if priority is None else priority, hold or 0, span)
+        case Limit(_, _, span, hold, port):
+            return (port or "", hold or 0, span)
+        case Strategy(_, span, strategy, period):
+            return (strategy, period or 0, span)

@@ -69,6 +69,8 @@ def _similar_names(nodes: Sequence[GraphNode]) -> Iterator[Fact]:
             for other in free:
                 if _are_alike(topic, other):
                     yield _fact_at(span, "like_named", topic, other)
+                if _is_misspelt(topic, other):
+                    yield _fact_at(span, "misspelt_topic", topic, other)
             for name in unread:
                 if topic.split("/")[1] in name.split("/"):
                     yield _fact_at(span, "near_node", topic, name)
@@ -92,7 +94,15 @@ def _are_alike(topic: str, other: str) -> bool:
         short, long = sorted((parts, further), key=len)
         remaining = iter(long)
         return all(part in remaining for part in short)
-    odd = [pair for pair in zip(parts, further, strict=True) if pair[0] != pair[1]]
+    return _is_misspelt(topic, other)
+
+
+def _is_misspelt(topic: str, other: str) -> bool:
+    """Whether two different topics differ in the spelling of one part of one word."""
+    parts, others = (re.split("[/_]", name) for name in (topic, other))
+    if len(parts) != len(others) or topic.count("/") != other.count("/"):
+        return False
+    odd = [pair for pair in zip(parts, others, strict=True) if pair[0] != pair[1]]
     # `camera1` and `camera2` are two names, and so are `left_wheel` and `right_wheel`.
     return (
         len(odd) == 1

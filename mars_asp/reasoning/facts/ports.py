@@ -6,10 +6,20 @@ from typing import TypeAlias
 
 from mars_asp.asp.solve.atoms import Atom, Fact, Term
 from mars_asp.diagnostic import Span
-from mars_asp.model.declarations import Configuration, Data, Module, Relationship
+from mars_asp.model.declarations import (
+    Configuration,
+    Data,
+    Gating,
+    Lock,
+    Module,
+    Relationship,
+    Reset,
+    ends_of,
+)
+from mars_asp.model.described import module_classes
 from mars_asp.model.names import end
 from mars_asp.model.ports import inputs, outputs
-from mars_asp.reasoning.facts.ends import Ends
+from mars_asp.reasoning.facts.ends import Ends, side_outputs
 from mars_asp.reasoning.facts.identifiers import annotation_numbers
 from mars_asp.reasoning.facts.loose_ends import PortEnd, nearest
 
@@ -86,6 +96,8 @@ def loose_ends(
     """
     data = [line for _, line in lines if isinstance(line, Data)]
     taken = {ends.source(line) for line in data}
+    taken |= {ends.output(*port) for port in side_outputs(configuration.relationships)}
+    taken.update(_taken_alone(configuration, described))
     numbers = annotation_numbers(configuration, described)
     outputs = list(_port_ends(described, _outputs_of, numbers, canonical))
     free = [port for port in outputs if ends.output(port.module, port.port) not in taken]
@@ -100,6 +112,21 @@ def loose_ends(
         called = end(entry.module, entry.port)
         place = entry.annotation, entry.place
         yield _fact(entry.span, "near", *place, called, output.annotation, rank)
+
+
+def _taken_alone(configuration: Configuration, described: Described) -> Iterator[str]:
+    """Yield the modules of which a gate, reset, lock or limit takes the only output, unnamed."""
+    for line in configuration.relationships:
+        if isinstance(line, Gating | Reset | Lock):
+            source = ends_of(line)[1]
+            port = line.trigger_port if isinstance(line, Gating) else line.source_port
+            module = described.get(source)
+            if (
+                port is None
+                and module is not None
+                and "control_out_algorithm" not in module_classes(module)
+            ):
+                yield source
 
 
 def unknown_ports(described: Described, ends: Ends) -> Mapping[str, Iterable[str]]:

@@ -12,7 +12,7 @@ from mars_asp.asp.rules.symbols import symbol_of
 from mars_asp.asp.signature import Signature, signature_of
 from mars_asp.asp.trace.patterns import hole, is_hole, pattern_in, subterms
 from mars_asp.diagnostic import MarsError
-from mars_asp.model.declarations import ends_of, node_names
+from mars_asp.model.declarations import STRATEGIES, VERBS, ends_of, node_names
 from mars_asp.output import counted
 from mars_asp.reasoning.facts.compile import CONSTANTS
 from mars_asp.reasoning.findings import consequence_kinds, kinds_of
@@ -35,12 +35,17 @@ _AT_MODULE: dict[str, Callable[[clingo.Symbol], tuple[clingo.Symbol, ...]]] = {
         ),
     ),
     "inheritance_node": lambda name: (clingo.Function("inheritance_node", [name]),),
+    "gate_node": lambda name: tuple(
+        clingo.Function("gate", [clingo.Function(of, [name]), hole()])
+        for of in ("data", "command", "entry")
+    ),
 }
 #: Which arguments of the facts of a relationship are its two modules.
 RELATIONSHIPS = {
     "uses_data_from": (False, True, True),
     "is_controlled_by": (False, True, True),
     "is_mounted_on": (False, True, False, True, False),
+    **dict.fromkeys(VERBS[3:], (False, True, True)),
 }
 #: `KIND`, `KIND(NAME)` or `KIND("NAME")`.
 CALL = re.compile(r'\s*(\w+)\s*(?:\(\s*(?:"([^"]*)"|([^",()]*?))\s*\))?\s*')
@@ -204,6 +209,8 @@ class Vocabulary:
             name = term.arguments[0].string
             return term if name == "_" else self._string(name, self._modules)
         is_word = term.type == clingo.SymbolType.Function and not term.arguments
+        if is_word and term.name in STRATEGIES and term.name not in self._modules:
+            return term
         return self._string(term.name, self._modules) if is_word else term
 
     def _known(self, term: clingo.Symbol) -> clingo.Symbol:

@@ -100,6 +100,9 @@ class TermNames:
 
     def word(self, symbol: clingo.Symbol) -> str:
         """Return a symbol as a sentence shows it."""
+        if symbol.match("after", 2):
+            gate = str(clingo.Function("gate", symbol.arguments))
+            return self.nodes.get(gate, "a Gate")
         if symbol.type == clingo.SymbolType.Function and len(symbol.arguments) == 1:
             write = _WORDS.get(symbol.name)
             if write is not None:
@@ -170,6 +173,7 @@ _WORDS: Mapping[str, Callable[[TermNames, clingo.Symbol], str]] = {
     "lines": lambda _, count: counted(count.number, "line"),
     "on_lines": lambda _, count: f" on {count.number} lines" if count.number else "",
     "splitters_for": TermNames._splitters_for,
+    "ungated": lambda names, output: names.word(output),
     "itself": lambda names, module: f"`{names.word(module)}`",
     "inherits": lambda names, module: f"what `{names.word(module)}` inherits",
 }

@@ -20,7 +20,7 @@ from mars_asp.asp.solve.grounding import ChosenAnswer, Part
 from mars_asp.asp.solve.optimum import COST_LEVEL, Optimum, disjoint_needs, others
 from mars_asp.asp.solve.optimum import Core as AtomNeed
 from mars_asp.language.print import print_configuration
-from mars_asp.model.declarations import Control, Data
+from mars_asp.model.declarations import VERBS, Connection
 from mars_asp.reasoning.analysis import Analysis
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.needs import NodeReason, reasons
@@ -32,13 +32,16 @@ from mars_asp.reasoning.synthesis.synthesise import Synthesis
 
 #: The levels of the cost, highest first.
 _LEVELS = tuple(level for level in COSTS.values() if level >= COST_LEVEL)
-#: Derived for each relationship of data or control that counts.
-_COUNTED = (("link", 3), ("commanded", 3))
+#: Derived for each relationship that counts.
+_COUNTED = (
+    *(("link", 3), ("commanded", 3), ("acts", 5)),
+    *(("resets", 3), ("locks", 3), ("limits", 3)),
+)
 #: At most this many conversions are named.
 MOST_CONVERSIONS = 5
 #: For each component with another answer, in order, its number and that of the answer.
 _Places: TypeAlias = tuple[tuple[int, int], ...]
-_RELATES = re.compile(r"^//|\b(?:is_mounted_on|is_controlled_by|uses_data_from)\b")
+_RELATES = re.compile(rf"^//|\b(?:{'|'.join(VERBS)})\b")
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,7 +167,7 @@ class _AlternativesSearch:
         return Alternatives(
             self.synthesis,
             self.analysis,
-            sum(isinstance(r, Data | Control) for r in self.project.configuration.relationships),
+            sum(isinstance(r, Connection) for r in self.project.configuration.relationships),
             self._declared(),
             len(forced) + sum(len(_costly(part) & part.best.true) for part in parts),
             tuple(names[atom] for atom in forced),
@@ -177,7 +180,7 @@ class _AlternativesSearch:
         )
 
     def _declared(self) -> int:
-        """Return the number of relationships of data and control, without repetitions."""
+        """Return the number of relationships but mounts and strategies, without repetitions."""
         grounding = self.analysis.grounding
         return sum(1 for each in _COUNTED for _ in grounding.symbols(*each))
 

@@ -45,7 +45,7 @@ _DEMAND = re.compile(r"\s*(\w+)\s+of\s+(\S.*?)\s*", re.DOTALL)
 _WHILE = re.compile(r'(?<!\S)while(?!\S)(?=(?:[^"]*"[^"]*")*[^"]*$)')
 #: The kind and case of explanations of demands.
 _KIND, _CASE = as_term(clingo.Function("capability")), as_term(clingo.Function("demand"))
-_VERDICTS = (("able", 3), ("lacking", 3), ("busy", 5))
+_VERDICTS = (("able", 3), ("lacking", 3), ("busy", 5), ("stopped", 5))
 
 
 @dataclass(frozen=True, slots=True)

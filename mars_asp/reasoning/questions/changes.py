@@ -17,13 +17,18 @@ from mars_asp.model.declarations import (
     Control,
     Data,
     Function,
+    Gating,
+    Limit,
+    Lock,
     Mode,
     Module,
     Mount,
     Name,
     Relationship,
+    Reset,
     Service,
     ServiceKind,
+    Sign,
     ends_of,
 )
 from mars_asp.reasoning.facts.identifiers import PERIODIC, hold_of, mode_of, numbered
@@ -94,6 +99,17 @@ class _Values:
 
     def mount(self, mounting: Symbol, mounted: Symbol) -> None:
         self._add(Mount(self._module(mounting), self._module(mounted), self._span))
+
+    def gate(self, sign: Sign, gated: Symbol, trigger: Symbol) -> None:
+        (left, port), (right, trigger_port) = self._end(gated), self._end(trigger)
+        self._add(Gating(left, right, self._span, sign, 1, port, trigger_port))
+
+    def bound(self, sort: type[Reset | Lock | Limit], module: Symbol, source: Symbol) -> None:
+        output, port = self._end(source)
+        self._add(sort(self._module(module), output, self._span, source_port=port))
+
+    def close(self, number: Symbol, duration: Symbol) -> None:
+        self._revise(number, ms=duration.number)
 
     def drop(self, number: Symbol) -> None:
         del self._relationships[number.number]
@@ -220,6 +236,12 @@ _CHANGES: Mapping[str, Callable[..., None]] = {
     "data": _Values.data,
     "control": _Values.control,
     "mount": _Values.mount,
+    "suppress": lambda values, *ends: values.gate("suppress", *ends),
+    "inhibit": lambda values, *ends: values.gate("inhibit", *ends),
+    "reset": lambda values, *ends: values.bound(Reset, *ends),
+    "lock": lambda values, *ends: values.bound(Lock, *ends),
+    "limit": lambda values, *ends: values.bound(Limit, *ends),
+    "close": _Values.close,
     "drop": _Values.drop,
     "forget": _Values.forget,
     "again": _Values.again,

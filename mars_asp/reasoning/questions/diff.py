@@ -46,6 +46,8 @@ Item = TypeVar("Item")
 _ANYTHING = re.compile(r"(?<=[(,])_(?=[,)])")
 #: Predicates whose last argument is a rate, as a number that depends on the other rates of a file.
 _RATES = frozenset({"required_rate", "offered_rate"})
+#: Facts of side lines that change a consequence, but not its message.
+_NUMBERS = ("closes_for(", "lock_priority(", "bound_hold(")
 #: Facts about the whole configuration, located at lines that do not state them.
 _OBSERVED = frozenset(
     {"place", "closed_walk", "entangled", "spelt", "resembles", "in_words"}
@@ -200,7 +202,13 @@ class _Side:
     def consequences(self) -> Iterator[_DiffEntry[Consequence]]:
         for c in self.analysis.consequences:
             key = (c.kind, c.subject, c.severity)
-            yield _DiffEntry(key, (*key, c.message, *c.participants), c.atom, c)
+            numbers = sorted(
+                fact
+                for span in set(c.spans)
+                for fact in self.lines.get(span, ())
+                if fact.startswith(_NUMBERS)
+            )
+            yield _DiffEntry(key, (*key, c.message, *c.participants, *numbers), c.atom, c)
 
     def launch_findings(self) -> Iterator[_DiffEntry[Consequence]]:
         """Yield the findings in launch trees; paths are relative to the folder of the robot."""

@@ -23,9 +23,11 @@ from mars_asp.language.statement_edits import ListEdit, Member
 from mars_asp.language.text_edits import ConflictError, Draft, LineEdit, apply_lines
 from mars_asp.language.tokens import Token, statements
 from mars_asp.model.declarations import (
+    VERBS,
     Control,
     Data,
     Function,
+    Gating,
     Module,
     Mount,
     Name,
@@ -40,7 +42,6 @@ from mars_asp.reasoning.includes import name_within, prefix_of
 from mars_asp.reasoning.project import Project, port_names
 from mars_asp.reasoning.questions.annotation_edits import Annotations, NoPlaceError, Read, read
 
-_VERBS = ("uses_data_from", "is_mounted_on")
 _PLAIN_TYPE = re.compile(r"[A-Za-z_]\w*(?:::\w+)*")
 
 
@@ -197,9 +198,11 @@ class _Statement:
     prefix: str
 
     @property
-    def end_tokens(self) -> tuple[Token, Token]:
-        """Return the tokens of the two modules that a data or mount relationship connects."""
-        verb = next(n for n, token in enumerate(self.tokens) if token.text in _VERBS)
+    def end_tokens(self) -> tuple[Token, ...]:
+        """Return the tokens of the two modules of a relationship; that of a strategy has one."""
+        verb = next(n for n, token in enumerate(self.tokens) if token.text in VERBS)
+        if self.tokens[verb].text == "is_arbitrated_by":
+            return self.tokens[:1]
         return self.tokens[0], self.tokens[verb + 1]
 
     @property
@@ -472,6 +475,13 @@ def _vertex(drafts: _Drafts, number: Symbol, vertex: Symbol) -> None:
         statement.rewrite(statement.tokens[mounted + 1], str(vertex.number))
 
 
+def _close(drafts: _Drafts, number: Symbol, duration: Symbol) -> None:
+    declared = drafts.texts.relationships[number.number]
+    assert isinstance(declared, Gating)
+    statement = drafts.statement_of(declared)
+    statement.rewrite(statement.tokens[-1], str(duration.number))
+
+
 def _architecture(drafts: _Drafts, kind: Symbol) -> None:
     """Write the architecture into the configuration, and into included files that state one."""
     for path in drafts.texts.mars_files:
@@ -522,7 +532,7 @@ def _rename(drafts: _Drafts, old: Symbol, new: Symbol) -> None:
                 member.new = name
             continue
         statement = drafts.statement_of(declared)
-        for module, token in zip(ends, statement.end_tokens, strict=True):
+        for module, token in zip(ends, statement.end_tokens, strict=False):
             if module == old.string:
                 _, port = read_end(token.text) or (module, None)
                 statement.rewrite(token, end(_within(statement.prefix, new.string), port))
@@ -572,6 +582,7 @@ _EDITS: dict[tuple[str, int], Callable[..., None]] = {
     ("rank", 2): _edit_priority,
     ("unrank", 1): _unrank,
     ("vertex", 2): _vertex,
+    ("close", 2): _close,
     ("architecture", 1): _architecture,
     ("name", 1): _add_name,
     ("unname", 1): _unname,

@@ -17,6 +17,7 @@ from mars_asp.asp.trace.patterns import pattern_in, strings_in
 from mars_asp.asp.trace.text import leaves_of
 from mars_asp.asp.trace.tree import Absent, Given, NearMiss, Trace, Underivable
 from mars_asp.diagnostic import Span
+from mars_asp.model.declarations import GATING
 from mars_asp.model.names import written
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.blame import Blame
@@ -34,6 +35,11 @@ _LINES: Mapping[str, tuple[str, tuple[int, int]]] = {
     "uses_data_from": ("data", (1, 2)),
     "is_controlled_by": ("control", (1, 2)),
     "is_mounted_on": ("mount", (1, 3)),
+    "is_suppressed_by": ("suppress", (1, 2)),
+    "is_inhibited_by": ("inhibit", (1, 2)),
+    "is_reset_by": ("reset", (1, 2)),
+    "is_locked_by": ("lock", (1, 2)),
+    "is_limited_by": ("limit", (1, 2)),
 }
 
 
@@ -144,7 +150,8 @@ def _new_line(
         end if keep else clingo.Function("new", [clingo.Number(number)])
         for number, (end, keep) in enumerate(zip(ends, kept, strict=True), 1)
     ]
-    return clingo.Function(_LINES[name][0], terms), f"`{first} {name} {second}`"
+    rest = " MS" if name in GATING.values() else ""
+    return clingo.Function(_LINES[name][0], terms), f"`{first} {name} {second}{rest}`"
 
 
 def _excluded(trace: Trace) -> _Lack:

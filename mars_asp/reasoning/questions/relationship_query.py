@@ -2,21 +2,29 @@
 
 import re
 from collections.abc import Iterator
+from itertools import product
 from typing import NamedTuple
 
 from mars_asp.diagnostic import Span
-from mars_asp.model.declarations import Control, Data, Mount
+from mars_asp.model.declarations import (
+    GATING,
+    VERBS,
+    Relationship,
+    Strategy,
+    ends_of,
+    ports_of,
+    verb_of,
+)
 from mars_asp.model.names import end, quoted, read_end, written
 from mars_asp.reasoning.facts.identifiers import numbered_annotations
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.subject import wrong_subject
 from mars_asp.spelling import nearest
 
-_KEYWORDS = ("is_mounted_on", "is_controlled_by", "uses_data_from")
 _NAME = r'(?:"(?:[^"\\]|\\.)*"|[^\s"(),.]+)'
 _END = rf"{_NAME}(?:\.{_NAME})?"
 _RELATIONSHIP = re.compile(rf"({_END})\s+([a-z_]+)\s+({_END})(?:\s.*)?")
-_ATOM = re.compile(rf"({'|'.join(_KEYWORDS)})\(\s*({_END})\s*,\s*({_END})\s*\)")
+_ATOM = re.compile(rf"({'|'.join(VERBS)})\(\s*({_END})\s*,\s*({_END})\s*\)")
 _WORD = re.compile(r"[^\W\d]\w*")
 _PLACE = re.compile(r"(.*):([0-9]{1,18})")
 
@@ -36,7 +44,9 @@ class RelationshipQuery(NamedTuple):
     @property
     def atom(self) -> str:
         """Return the atom of the relationship, without the input of the client."""
-        client = (read_end(self.left) or (self.left, None))[0]
+        client, port = read_end(self.left) or (self.left, None)
+        if self.keyword in GATING.values():
+            client = ".".join(filter(None, (client, port)))
         source = ".".join(filter(None, read_end(self.right) or (self.right, None)))
         return f"{self.keyword}({_quoted_name(client)},{_quoted_name(source)})"
 
@@ -56,8 +66,8 @@ def read_relationship(subject: str, project: Project) -> RelationshipQuery | Non
         return RelationshipQuery(atom[1], _end_text(atom[2]), _end_text(atom[3]))
     if words is None or subject in {name.text for name in project.configuration.modules}:
         return None
-    if words[2] not in _KEYWORDS:
-        near = nearest(words[2], _KEYWORDS)
+    if words[2] not in VERBS:
+        near = nearest(words[2], VERBS)
         if near is None:
             return None
         message = f"`{words[2]}` is not a relationship"
@@ -109,20 +119,14 @@ def _end_text(text: str) -> str:
     return text if read is None else end(*read)
 
 
-def _forms(line: Mount | Control | Data) -> Iterator[RelationshipQuery]:
+def _forms(line: Relationship) -> Iterator[RelationshipQuery]:
     """Yield a relationship with and without each of its ports, as a query may name it."""
-    match line:
-        case Mount():
-            yield RelationshipQuery("is_mounted_on", written(line.mounting), written(line.mounted))
-        case Control():
-            yield RelationshipQuery(
-                "is_controlled_by", written(line.controlled), written(line.controller)
-            )
-        case Data():
-            for client in {None, line.client_port}:
-                for source in {None, line.source_port}:
-                    left, right = end(line.client, client), end(line.source, source)
-                    yield RelationshipQuery("uses_data_from", left, right)
+    left, right = ends_of(line)
+    if isinstance(line, Strategy):
+        yield RelationshipQuery(verb_of(line), written(left), line.strategy)
+        return
+    for first, second in product(*({None, port} for port in ports_of(line))):
+        yield RelationshipQuery(verb_of(line), end(left, first), end(right, second))
 
 
 def _statement_spans(project: Project) -> Iterator[Span]:

@@ -17,8 +17,12 @@ from mars_asp.model.declarations import (
     Configuration,
     Control,
     Data,
+    Gating,
+    Limit,
+    Lock,
     Mount,
     Relationship,
+    Reset,
     ends_of,
 )
 from mars_asp.reasoning.questions.subject import no_node
@@ -116,11 +120,18 @@ class _Left:
 
 
 def _without(lines: Sequence[Relationship], name: str) -> Iterator[_Line]:
-    """Yield the lines without the node: each line into it is joined with each out of it."""
+    """Yield the lines without the node: each line into it is joined with each out of it.
+
+    The triggers, locks, limits and strategy of the node go with it.
+    """
     wired = [None if isinstance(line, Mount) else ends_of(line) for line in lines]
-    inputs = [number for number, ends in enumerate(wired) if ends is not None and ends[0] == name]
+    inputs = [
+        number
+        for number, ends in enumerate(wired)
+        if ends is not None and ends[0] == name and isinstance(lines[number], Data | Control)
+    ]
     for number, (line, ends) in enumerate(zip(lines, wired, strict=True)):
-        if ends is not None and ends[1] == name:
+        if ends is not None and ends[1] == name != ends[0]:
             for given in inputs:
                 yield _Line(_joined(lines[given], line), (given, number))
         elif ends is None or ends[0] != name:
@@ -130,6 +141,13 @@ def _without(lines: Sequence[Relationship], name: str) -> Iterator[_Line]:
 def _joined(given: Relationship, taken: Relationship) -> Relationship:
     if isinstance(given, Data) and isinstance(taken, Data):
         return replace(taken, source=given.source)
+    assert isinstance(given, Data | Control)
+    source = given.source if isinstance(given, Data) else given.controller
+    port = given.source_port if isinstance(given, Data) else None
+    if isinstance(taken, Gating):
+        return replace(taken, trigger=source, trigger_port=port)
+    if isinstance(taken, Reset | Lock | Limit):
+        return replace(taken, source=source, source_port=port)
     assert isinstance(given, Control)
     assert isinstance(taken, Control)
     return replace(

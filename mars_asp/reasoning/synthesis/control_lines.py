@@ -13,6 +13,7 @@ from mars_asp.model.declarations import Allocation, Control
 from mars_asp.reasoning.facts.identifiers import hold_of
 from mars_asp.reasoning.synthesis.derived import SpecifiedAtoms
 from mars_asp.reasoning.synthesis.draft import SpecificationDraft
+from mars_asp.reasoning.synthesis.side_lines import SideLines
 
 _ALLOCATIONS: Mapping[str, Allocation] = {each: each for each in get_args(Allocation)}
 
@@ -30,16 +31,22 @@ class ControlLines:
     """Writes the control lines of a specification, each with all lines upstream, into a draft."""
 
     def __init__(
-        self, draft: SpecificationDraft, derived: SpecifiedAtoms, places: Mapping[TermId, int]
+        self,
+        draft: SpecificationDraft,
+        derived: SpecifiedAtoms,
+        places: Mapping[TermId, int],
+        sides: SideLines,
     ) -> None:
         """Index the lines by their ends; `places` are the indices of lines in the file."""
-        self._draft, self._derived = draft, derived
+        self._draft, self._derived, self._sides = draft, derived, sides
         self._into: dict[TermId, list[_ControlLine]] = {}
         self._out_of: dict[TermId, list[_ControlLine]] = {}
         for line, controlled, controller in derived.rows("spec_is_controlled_by", 3):
             each = _ControlLine(line, controlled, controller, places.get(line, -1))
             self._into.setdefault(controlled, []).append(each)
             self._out_of.setdefault(controller, []).append(each)
+        #: The number of lines into each receiver that are not written.
+        self._left = {receiver: len(lines) for receiver, lines in self._into.items()}
         self._priorities = derived.of_each("spec_priority")
         self._holds = derived.of_each("spec_hold")
         self._allocations = derived.of_each("spec_allocation")
@@ -72,7 +79,21 @@ class ControlLines:
                     yield line.controlled
 
     def _write_into(self, receiver: TermId) -> None:
-        stack = sorted(self._into.pop(receiver, ()), reverse=True, key=lambda line: line.place)
+        self._write_upstream(
+            sorted(self._into.pop(receiver, ()), reverse=True, key=lambda line: line.place)
+        )
+
+    def open(self, feeder: TermId) -> None:
+        """Write the lines before the feeder of a side line; of a splitter also those after it."""
+        if self._fans_out(feeder):
+            self._write_split(feeder)
+            for line in self._into[feeder]:
+                self._write_upstream(self._opened_by(line.controller))
+        else:
+            self._write_upstream(self._opened_by(feeder))
+
+    def _write_upstream(self, stack: list[_ControlLine]) -> None:
+        """Write lines, the last first, each followed by all lines upstream of it."""
         while stack:
             line = stack.pop()
             after = [line]
@@ -144,3 +165,6 @@ class ControlLines:
                 topic=relationship.topic if isinstance(relationship, Control) else None,
             )
         )
+        self._left[line.controlled] -= 1
+        if not self._left[line.controlled]:
+            self._sides.write_into(line.controlled)

@@ -15,6 +15,7 @@ from mars_asp.model.declarations import Data, Mode
 from mars_asp.reasoning.facts.identifiers import mode_of
 from mars_asp.reasoning.synthesis.derived import SpecifiedAtoms
 from mars_asp.reasoning.synthesis.draft import SpecificationDraft
+from mars_asp.reasoning.synthesis.side_lines import SideLines
 
 
 class _DataLine(NamedTuple):
@@ -29,13 +30,23 @@ class DataLines:
     """Writes the data lines of a specification: for each source once, along its converters."""
 
     def __init__(
-        self, draft: SpecificationDraft, derived: SpecifiedAtoms, places: Mapping[TermId, int]
+        self,
+        draft: SpecificationDraft,
+        derived: SpecifiedAtoms,
+        places: Mapping[TermId, int],
+        sides: SideLines,
     ) -> None:
         """Index the lines by their feeders; `places` are the indices of lines in the file."""
-        self._draft, self._derived, self._places = draft, derived, places
+        self._draft, self._derived, self._places, self._sides = draft, derived, places, sides
         self._out_of: dict[TermId, list[_DataLine]] = {}
+        #: The feeder of each node.
+        self._feeders: dict[TermId, TermId] = {}
         for line, client, feeder in derived.rows("spec_uses_data_from", 3):
             self._out_of.setdefault(feeder, []).append(_DataLine(line, client, feeder))
+            if client in derived.kinds:
+                self._feeders[client] = feeder
+        data = (each for each in draft.relationships if isinstance(each, Data))
+        self._sources = {as_term(String(draft.ends.source(each))) for each in data}
         self._modes = derived.of_each("spec_required_mode")
         self._rates = derived.of_each("spec_required_rate")
         self._inputs = derived.of_each("spec_into")
@@ -45,7 +56,16 @@ class DataLines:
 
     def write(self, relationship: Data) -> None:
         """Write all lines of a relationship's source, unless they are written already."""
-        source = as_term(String(self._draft.ends.source(relationship)))
+        self._write_source(as_term(String(self._draft.ends.source(relationship))))
+
+    def open(self, feeder: TermId) -> None:
+        """Write the lines before the feeder of a side line, if its source has no client."""
+        while feeder in self._feeders:
+            feeder = self._feeders[feeder]
+        if feeder not in self._sources:
+            self._write_source(feeder)
+
+    def _write_source(self, source: TermId) -> None:
         if source in self._done:
             return
         self._done.add(source)
@@ -58,6 +78,7 @@ class DataLines:
                 continue
             self._written.add(line.line)
             self._write_line(line)
+            self._sides.write_into(line.client)
             if line.client in self._derived.kinds:
                 stack += self._outputs(line.client, place)
 
@@ -87,12 +108,15 @@ class DataLines:
         feeder = draft.name(line.feeder, self._derived)
         source, source_port = draft.ends.written(feeder)
         entry = self._inputs.get(line.line)
+        place = self._places.get(line.line)
+        declared = None if place is None else draft.relationships[place]
         client_port = (
             None if entry is None else draft.ends.entries[self._derived.string(entry)].port
         )
+        if isinstance(declared, Data) and client in draft.with_one_input:
+            client_port = declared.client_port
         ports = client_port, source_port
-        place = self._places.get(line.line)
-        span = draft.span if place is None else draft.relationships[place].span
+        span = draft.span if declared is None else declared.span
         draft.lines.append(Data(client, source, span, mode, hz, *ports))
         if line.line in self._places and line.client not in self._derived.kinds:
             draft.place_of[id(draft.lines[-1])] = self._places[line.line]

@@ -10,7 +10,7 @@ from mars_asp.model.declarations import (
     Service,
     node_names,
 )
-from mars_asp.model.ports import free_positions
+from mars_asp.model.ports import free_positions, inputs
 from mars_asp.reasoning.facts.ends import ends_in
 from mars_asp.reasoning.facts.identifiers import numbered, numbered_annotations
 from mars_asp.reasoning.project import Project
@@ -56,6 +56,10 @@ class SpecificationDraft:
         #: The index of the relationship that a line to a client realises, by the line's `id`.
         self.place_of: dict[int, int] = {}
         self.described = described.keys()
+        #: Described modules whose lines need not name the input.
+        self.with_one_input = {
+            name for name, module in described.items() if len(inputs(module)) == 1
+        }
         #: The nodes in the order in which they were named.
         self.nodes: dict[TermId, IntroducedNode] = {}
         declared = {module.name for module in configuration.declared}

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 #: The share of each function that a provider has: provider, native function, share.
 _Effect: TypeAlias = Mapping[str, frozenset[tuple[str, str, float]]]
-_COPYING = ("arbitration_node", "control_splitter")
+_COPYING = ("arbitration_node", "control_splitter", "gate_node")
 
 
 class InheritanceNodes:
@@ -49,7 +49,7 @@ class InheritanceNodes:
         self._effects: dict[tuple[str, tuple[str, ...], Allocation | None], _Effect] = {}
 
     def hands_on(self, name: str) -> bool:
-        """Whether a name is that of an arbiter or splitter, which forwards commands unchanged."""
+        """Whether a name is that of an arbiter, splitter or Gate, which forward commands."""
         if name in self.modules:
             return False
         brought = self.configuration.pack_kind(name)

@@ -11,12 +11,17 @@ from mars_asp.model.declarations import (
     Configuration,
     Control,
     Data,
+    Gating,
+    Limit,
+    Lock,
     Module,
     Mount,
     Muxed,
     Name,
     Relationship,
+    Reset,
     StandIn,
+    Strategy,
 )
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.synthesis.control_lines import ControlLines
@@ -24,6 +29,7 @@ from mars_asp.reasoning.synthesis.data_lines import DataLines
 from mars_asp.reasoning.synthesis.derived import SpecifiedAtoms
 from mars_asp.reasoning.synthesis.draft import IntroducedNode, SpecificationDraft
 from mars_asp.reasoning.synthesis.inheritance_nodes import InheritanceNodes
+from mars_asp.reasoning.synthesis.side_lines import SideLines
 
 
 @dataclass(frozen=True)
@@ -40,8 +46,10 @@ def _write(
 ) -> None:
     """Write relationships, with the derived nodes between their ends, into a draft."""
     places = draft.places(derived)
-    data, control = DataLines(draft, derived, places), ControlLines(draft, derived, places)
-    for relationship in relationships:
+    sides = SideLines(draft, derived, places)
+    data = DataLines(draft, derived, places, sides)
+    control = ControlLines(draft, derived, places, sides)
+    for place, relationship in enumerate(relationships):
         match relationship:
             case Data():
                 data.write(relationship)
@@ -49,6 +57,12 @@ def _write(
                 control.write(relationship)
             case Mount():
                 draft.lines.append(relationship)
+            case Reset() | Gating() | Lock() | Limit() | Strategy():
+                sides.write_at(place)
+        while sides.pending:
+            feeder = sides.pending.pop()
+            data.open(feeder)
+            control.open(feeder)
 
 
 def specify(project: Project, derived: SpecifiedAtoms) -> Specification:

@@ -270,7 +270,7 @@ def test_a_module_led_both_ways_does_its_own_motion_and_leaves_inherited_ones() 
         "ArbitrationNode is_controlled_by B 1\nInheritanceNode1 is_controlled_by ControlSplitter1\n"
         "Base is_controlled_by InheritanceNode1",
         [
-            control_out("A", GRASP, "Trans_Y"),
+            control_out("A", GRASP, "Trans_Y", "Trans_Z"),
             control_out("B", GRASP),
             effector("Arm", GRASP),
             effector("Base", "Trans_X"),

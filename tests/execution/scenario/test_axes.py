@@ -37,6 +37,10 @@ Arm = { kind = "joint", function = "Rotn_Y", low = -90, high = 90 }
 [faults]
 Hand = { kind = "silent", from = 1, until = 2 }
 Ring = { kind = "late", by = 10 }
+[[links]]
+from = "Hand"
+to = "P"
+until = 2
 [requirements]
 reach = { at = [900, 0] }
 """
@@ -98,6 +102,13 @@ faults.Hand.kind = "stuck"
 faults.Hand.from = 0
 faults.Hand.until = 2.5
 faults.Ring.by = 30
+links.0.from = "Ring"
+links.0.to = "C"
+links.0.loss = 0.5
+links.0.delay = 20
+links.0.jitter = 0.5
+links.0.since = 1
+links.0.until = 3
 requirements.no_collision = true
 requirements.clearance = 30
 requirements.reach.at = [0, 900]

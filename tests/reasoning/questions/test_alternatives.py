@@ -103,6 +103,7 @@ NEEDS = [
             "three_alike",
             "twice_converted",
             "made_apart",
+            "gates",
         )
     ),
 ]

@@ -12,7 +12,7 @@ from mars_asp.annotations.directives import MOST_OTHERS
 from mars_asp.annotations.sources import Source
 from mars_asp.diagnostic import MarsError
 from mars_asp.language.text_edits import LineEdit
-from mars_asp.model.declarations import Service, ends_of
+from mars_asp.model.declarations import Service, ends_of, verb_of
 from mars_asp.model.described import described_modules
 from mars_asp.reasoning.facts.identifiers import numbered_annotations
 from mars_asp.reasoning.project import load_project, revised
@@ -28,7 +28,6 @@ from tests.support.documents import ROOT
 from tests.support.fixtures import Patch
 
 CASES = sorted((ROOT / "tests/edits").glob("*/"))
-_VERBS = {"Data": "uses_data_from", "Control": "is_controlled_by", "Mount": "is_mounted_on"}
 
 
 @pytest.mark.parametrize("folder", CASES, ids=lambda path: path.name)
@@ -70,7 +69,7 @@ def _identifiers(texts: EditedTexts) -> Mapping[str, int]:
     project, names = texts.project, {}
     for number, declared in texts.relationships.items():
         first, second = ends_of(declared)
-        names[f"{first} {_VERBS[type(declared).__name__]} {second}"] = number
+        names[f"{first} {verb_of(declared)} {second}"] = number
     described = described_modules(project.configuration, project.modules)
     for number, module, annotation in numbered_annotations(project.configuration, described):
         word = annotation.kind if isinstance(annotation, Service) else annotation.name

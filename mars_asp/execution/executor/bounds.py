@@ -1,0 +1,120 @@
+"""The bounds of arbiters: locks, under which commands are passed over, and limits of rates."""
+
+from bisect import bisect_right
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, Generic, TypeVar
+
+from mars_asp.execution.executor.link import Link, Message
+from mars_asp.execution.executor.schedule import Schedule
+
+_Value = TypeVar("_Value")
+
+
+def is_true(value: object) -> bool:
+    """Whether a message is a truth: anything but false, 0 and nothing."""
+    if value is None or value == {}:
+        return False
+    return not (isinstance(value, int | float) and value == 0)
+
+
+class History(Generic[_Value]):
+    """The values of one link by time, which hold until the next one or for the link's `hold`."""
+
+    def __init__(self, link: Link) -> None:
+        self.link = link
+        self.times: list[int] = []
+        self.values: list[_Value] = []
+
+    def add(self, time: int, value: _Value) -> None:
+        """Add a value that came at a time (ns), not before those that came earlier."""
+        self.times.append(time)
+        self.values.append(value)
+
+    def silent(self, time: int) -> bool:
+        """Whether no value came within the hold before a time (ns), this instant included."""
+        if self.link.hold is None:
+            return False
+        number = bisect_right(self.times, time)
+        return not number or time - self.times[number - 1] >= self.link.hold
+
+    def at(self, time: int) -> _Value | None:
+        """Return the last value that came until a time (ns), or None."""
+        number = bisect_right(self.times, time)
+        return self.values[number - 1] if number else None
+
+
+class Bounds:
+    """The locks and limits of an arbiter.
+
+    `changed` is called, at `rank` of the instant, after each of their messages and when a hold
+    runs out. Without `ranks`, a lock stops all controllers.
+    """
+
+    def __init__(
+        self, schedule: Schedule, rank: int, changed: Callable[[], None], *, ranks: bool
+    ) -> None:
+        self.schedule, self.rank, self.changed, self.ranks = schedule, rank, changed, ranks
+        self.locks: list[History[bool]] = []
+        self.limits: list[History[Mapping[str, float]]] = []
+        #: The times (ns) at which a lock took away what was obeyed, with the lock.
+        self.stops: list[tuple[int, History[bool]]] = []
+
+    def input(self, link: Link) -> Callable[[Message], None]:
+        """Return the receiver of the messages of a lock or a limit."""
+        if link.kind == "lock":
+            lock = History[bool](link)
+            self.locks.append(lock)
+            return lambda message: self._receive(lock, is_true(message.value))
+        limit = History[Mapping[str, float]](link)
+        self.limits.append(limit)
+
+        def receive(message: Message) -> None:
+            try:
+                bounds = {name: abs(bound) for name, bound in message.value.items()}
+            except (AttributeError, TypeError) as error:
+                link.fail(error, message)
+                return
+            self._receive(limit, bounds)
+
+        return receive
+
+    def _receive(self, history: History[Any], value: Any) -> None:
+        now = self.schedule.now
+        history.add(now, value)
+        self.schedule.at(now, self.rank, self.changed)
+        if history.link.hold is not None:
+            self.schedule.at(now + history.link.hold, self.rank, self.changed)
+
+    def locking(self, time: int, priority: int = 0) -> Iterator[History[bool]]:
+        """Yield the locks under which a controller of a priority is passed over at a time (ns)."""
+        for lock in self.locks:
+            level = lock.link.declared if self.ranks else None
+            if (level is None or priority < level) and (lock.silent(time) or lock.at(time)):
+                yield lock
+
+    def stop(self, priority: int = 0) -> History[bool]:
+        """Note that a lock takes away what a controller of a priority commands; return the lock."""
+        now = self.schedule.now
+        lock = next(self.locking(now, priority))
+        self.stops.append((now, lock))
+        return lock
+
+    def is_locked(self, time: int, priority: int = 0) -> bool:
+        """Whether a controller of a priority is passed over at a time (ns)."""
+        return any(True for _ in self.locking(time, priority))
+
+    def scaled(self, command: dict[str, float]) -> dict[str, float]:
+        """Return a command with all rates multiplied by the factor of the limits."""
+        now, factor = self.schedule.now, 1.0
+        for limit in self.limits:
+            if limit.silent(now):
+                factor = 0.0
+                continue
+            bounds = limit.at(now) or {}
+            for function, rate in command.items():
+                if function in bounds and abs(rate) > bounds[function]:
+                    factor = min(factor, bounds[function] / abs(rate))
+        if factor == 1.0:
+            return command
+        # Without the addition, a negative rate would become -0.0.
+        return {function: rate * factor + 0.0 for function, rate in command.items()}

@@ -1,0 +1,163 @@
+"""The facts about Gates and locks in a run that `rules/run/gates.lp` reads."""
+
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+
+from mars_asp.asp.solve.atoms import Atom, Fact, Term
+from mars_asp.diagnostic import Span, point
+from mars_asp.execution.executor.arbitration import FlatArbitration, HierarchicalArbitration
+from mars_asp.execution.executor.bounds import History
+from mars_asp.execution.executor.gate import Gate, Trigger
+from mars_asp.execution.executor.link import Link
+from mars_asp.execution.executor.schedule import MILLISECOND
+from mars_asp.execution.trial import Trial
+
+_OBSERVED = point("<run>", 1, 1)
+_MOST = 2**31 - 1
+
+
+def gate_facts(trial: Trial) -> Iterator[Fact]:
+    """Yield the lines of each Gate and each lock, and the facts by which they are judged."""
+    plan, numbers = trial.executor.plan, _numbers(trial)
+    for gate in _gates(trial):
+        gated = plan.origin_of((plan.data_in[gate.name] or plan.control_in[gate.name])[0])
+        for trigger in gate.triggers:
+            link, number = trigger.link, numbers[trigger.link]
+            ends = gate.name, plan.origin_of(link), gated
+            sign = Atom(link.kind), link.time // MILLISECOND
+            yield _fact(link.span, "closes", number, *ends, *sign)
+            if link.kind == "suppress":
+                yield _seen("spoke", number, len(trigger.heard))
+                yield _seen("let_through", number, trigger.passed)
+            yield from _extremes(gate, trigger, number)
+    for arbiter in trial.executor.arbiters.values():
+        for lock in arbiter.bounds.locks:
+            link, number = lock.link, numbers[lock.link]
+            yield _fact(link.span, "locks_line", number, arbiter.name, plan.origin_of(link))
+            if link.declared is not None and arbiter.bounds.ranks:
+                yield _fact(link.span, "lets_pass", number, link.declared)
+            if isinstance(arbiter, HierarchicalArbitration):
+                yield from _held(trial, arbiter, lock, number)
+
+
+def _extremes(gate: Gate, trigger: Trigger, number: int) -> Iterator[Fact]:
+    """Yield the shortest time from a trigger to a message that passed, the longest to a loss.
+
+    A message that no trigger kept back and that did not pass is a loss of the first trigger.
+    """
+    times = [time for time, _, _ in trigger.heard]
+    soonest: tuple[int, int] | None = None
+    longest: tuple[int, int] | None = None
+    for at, closer, passed in gate.verdicts:
+        if not passed and (closer or gate.triggers[0]) is not trigger:
+            continue
+        # Of one instant, triggers count first, but for those that act late or by sequence.
+        first = trigger.late or (trigger.in_circle and passed)
+        last = (bisect_left(times, at) if first else bisect_right(times, at)) - 1
+        closed = last >= 0 and trigger.heard[last][1]
+        after = at - times[last] if closed else _MOST * MILLISECOND
+        if passed and closed:
+            soonest = min(soonest or (after, at), (after, at))
+        elif not passed:
+            longest = max(longest or (after, at), (after, at))
+    for name, extreme in (("passed_after", soonest), ("lost_after", longest)):
+        if extreme is not None:
+            yield _seen(name, number, *map(_milliseconds, extreme))
+
+
+def _held(
+    trial: Trial, arbiter: HierarchicalArbitration, lock: History[bool], number: int
+) -> Iterator[Fact]:
+    """Yield the periods in which a controller held an arbiter that a lock had locked."""
+    now = trial.executor.schedule.now
+    holdings = [(h.since, h.through) for h in arbiter.holdings] + [(now, "")]
+    for (since, holder), (until, _) in pairwise(holdings):
+        if not holder or until == since:
+            continue
+        changes = [since, *lock.times[bisect_right(lock.times, since) :], until]
+        for begin, end in pairwise(time for time in changes if time <= until):
+            silent = end if lock.link.hold is None else max(begin, _silent_from(lock, begin))
+            locked = begin if lock.at(begin) else silent
+            if locked < end:
+                ends = _milliseconds(locked), _milliseconds(end)
+                yield _seen("held_locked", number, holder, *ends)
+
+
+def _silent_from(lock: History[bool], time: int) -> int:
+    """Return from when a lock is silent, if no message comes after a time (ns)."""
+    number = bisect_right(lock.times, time)
+    return lock.times[number - 1] + (lock.link.hold or 0) if number else 0
+
+
+def reasons(trial: Trial, *, losses: bool) -> Iterator[Fact]:
+    """Yield facts for what Gates let pass and locks stopped, or for what Gates kept back."""
+    plan, numbers = trial.executor.plan, _numbers(trial)
+    for gate in _gates(trial):
+        out = plan.data_out[gate.name] or plan.control_out[gate.name]
+        targets = dict.fromkeys(name for link in out for name in plan.targets_of(link))
+        client = " and ".join(targets) or gate.name
+        for trigger in gate.triggers:
+            number = numbers[trigger.link]
+            if losses:
+                yield from _losses(gate, trigger, number, client)
+            elif trigger.link.kind == "suppress":
+                until = -1
+                for at, _, made in trigger.heard:
+                    if at >= until:
+                        yield _seen("got", number, client, _milliseconds(made), _milliseconds(at))
+                    until = at + trigger.link.time
+    if not losses:
+        for arbiter in trial.executor.arbiters.values():
+            yield from _stops(trial, arbiter, numbers)
+
+
+def _losses(gate: Gate, trigger: Trigger, number: int, client: str) -> Iterator[Fact]:
+    """Yield the messages that a trigger kept back, for each period in which it kept closing."""
+    times = [time for time, _, _ in trigger.heard]
+    lost: dict[int, list[int]] = {}
+    for at, closer, _ in gate.verdicts:
+        if closer is trigger:
+            last = bisect_right(times, at) - 1
+            while last and times[last] - times[last - 1] < trigger.link.time:
+                last -= 1
+            lost.setdefault(times[last], []).append(at)
+    for since, dropped in lost.items():
+        ends = _milliseconds(dropped[0]), _milliseconds(dropped[-1])
+        yield _seen("kept_from", number, client, _milliseconds(since), len(dropped), *ends)
+
+
+def _stops(
+    trial: Trial,
+    arbiter: FlatArbitration | HierarchicalArbitration,
+    numbers: Mapping[Link, int],
+) -> Iterator[Fact]:
+    plan = trial.executor.plan
+    links = plan.control_out[arbiter.name]
+    stopped = " and ".join(dict.fromkeys(n for link in links for n in plan.targets_of(link)))
+    for at, lock in arbiter.bounds.stops:
+        number, instant = numbers[lock.link], _milliseconds(at)
+        yield _seen("stopped_by", number, stopped, instant)
+        if not lock.at(at):
+            silent = at - lock.times[bisect_right(lock.times, at) - 1]
+            yield _seen("silence", number, stopped, instant, _milliseconds(silent))
+
+
+def _gates(trial: Trial) -> Iterator[Gate]:
+    return (each for each in trial.executor.elements.values() if isinstance(each, Gate))
+
+
+def _numbers(trial: Trial) -> Mapping[Link, int]:
+    return {link: number for number, link in enumerate(trial.executor.links)}
+
+
+def _milliseconds(time: int) -> int:
+    return min(_MOST, time // MILLISECOND)
+
+
+def _seen(name: str, *arguments: Term) -> Fact:
+    return _fact(_OBSERVED, name, *arguments)
+
+
+def _fact(span: Span, name: str, *arguments: Term) -> Fact:
+    return Fact(Atom(name, arguments), span)

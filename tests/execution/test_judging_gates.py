@@ -1,0 +1,73 @@
+"""The judgement of Gates and locks: random runs hold, and runs of a faulty executor do not."""
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from mars_asp.diagnostic import point
+from mars_asp.execution.executor import arbitration, bounds, gate
+from mars_asp.execution.gate_facts import gate_facts
+from mars_asp.execution.judgement import _control, judge_facts, run_rulebook
+from mars_asp.execution.trial import Trial
+from tests.execution.test_timeline import finished_run
+from tests.support.campaigns import seeds
+from tests.support.fixtures import Patch
+
+#: The first seeds show each of the faults.
+FIRST = 12
+
+
+def violated(seed: int) -> set[str]:
+    """Return the names of the violated requirements of a random run."""
+    run = cast(Trial, SimpleNamespace(executor=finished_run(seed)))
+    facts = [*gate_facts(run), *_control(run)]
+    found = judge_facts(facts, (), run_rulebook(), point("run", 1, 1))
+    return {each.name for each in found.requirements if each.holds is False}
+
+
+@pytest.mark.parametrize("seed", seeds(FIRST, 60))
+def test_random_runs_respect_gates_and_locks(seed: int) -> None:
+    assert violated(seed) <= {"one controller at a time"}
+
+
+def longer(trigger: gate.Trigger, message: Any, now: int) -> None:
+    HEAR(trigger, message, now)
+    trigger.until += 60_000_000 * (trigger.until > now)
+
+
+def open_gate(self: gate.Gate, *, in_circle: bool) -> None:
+    return None
+
+
+def passes_closed(self: gate.Gate) -> None:
+    """Pass the messages of the line whether it is closed or not, after those of triggers."""
+    taken, self.waiting = self.waiting, []
+    SETTLE(self)
+    for link, message, _ in taken:
+        departed, closer = self.departed, self.closer(in_circle=False)
+        self._pass(link, message)
+        self.verdicts.append((self.schedule.now, closer, self.departed > departed))
+
+
+HEAR, SETTLE = gate.Trigger.hear, gate.Gate.settle
+FAULTS = {
+    "every Gate is open": (gate.Gate, "closer", open_gate, "gates respected"),
+    "a closed Gate passes": (gate.Gate, "settle", passes_closed, "gates respected"),
+    "a Gate closes too long": (gate.Trigger, "hear", longer, "gates respected"),
+    "nothing passes": (gate.Gate, "_pass", lambda *_: None, "gates respected"),
+    "a lock does not lock": (
+        arbitration.HierarchicalArbitration,
+        "_may_pass",
+        lambda *_: True,
+        "priorities respected",
+    ),
+    "silence does not lock": (bounds.History, "silent", lambda *_: False, "priorities respected"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_faults_of_the_executor_are_found(fault: str, monkeypatch: Patch) -> None:
+    owner, name, wrong, requirement = FAULTS[fault]
+    monkeypatch.setattr(owner, name, wrong)
+    assert any(requirement in violated(seed) for seed in range(FIRST))

@@ -1,0 +1,58 @@
+"""Gates, locks, limits and strategies: the messages that reach clients from given streams.
+
+Each `NAME.spec.mars` of `subsumption` has a `NAME.run.json`: `streams` are the messages by ms of
+the modules without inputs, `expected` the messages at clients, of commands the last of an instant.
+"""
+
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mars_asp.execution.executor import Behaviour, Executor
+from mars_asp.execution.executor.schedule import MILLISECOND
+from mars_asp.language import parse_text
+
+CASES = Path(__file__).parent / "subsumption"
+#: All times of the streams are multiples of it (ms).
+STEP = 5
+
+
+def streamed(
+    text: str,
+    streams: dict[str, dict[str, Any]],
+    seconds: float,
+    functions: Mapping[str, Callable[..., Any]] = {},
+) -> dict[str, Any]:
+    """Return the messages to each client, as [ms, value], of a run of a specification."""
+    configuration = parse_text(text, "case.mars").configuration
+    clients = {n.text for n in configuration.modules if configuration.node_kind(n.text) is None}
+    got: dict[str, list[list[Any]]] = {name: [] for name in sorted(clients - streams.keys())}
+    running: list[Executor] = []
+
+    def sends(stream: dict[str, Any]) -> Behaviour:
+        return Behaviour(
+            lambda: stream.get(f"{running[0].schedule.now / MILLISECOND:g}"), STEP * MILLISECOND
+        )
+
+    def observe(now: int, kind: str, where: str, value: object) -> None:
+        client = got.get(where.rpartition(" -> ")[2], [])
+        if kind == "control" and client and client[-1][0] == now / MILLISECOND:
+            client.pop()
+        client.append([now / MILLISECOND, value])
+
+    behaviours = {name: Behaviour(lambda value: None) for name in got}
+    behaviours |= {name: Behaviour(function) for name, function in functions.items()}
+    behaviours |= {name: sends(stream) for name, stream in streams.items()}
+    running.append(Executor(configuration, {}, behaviours, observe=observe))
+    running[0].step_until(round(seconds * 1000) * MILLISECOND)
+    return got
+
+
+@pytest.mark.parametrize("case", sorted(path.name[:-9] for path in CASES.glob("*.run.json")))
+def test_clients_get_the_expected_messages(case: str) -> None:
+    run = json.loads((CASES / f"{case}.run.json").read_text())
+    got = streamed((CASES / f"{case}.spec.mars").read_text(), run["streams"], 1.5)
+    assert got == run["expected"]
