@@ -181,7 +181,7 @@ def test_several_files_of_others_are_one_robot(tmp_path: Path) -> None:
 #: Calls that fail, and a part of the error with its help.
 MISTAKES: dict[str, tuple[Callable[[Robot], Any], str]] = {
     "no file": (lambda _: load("nope.mars"), "nope.mars: no such file"),
-    "several robots": (lambda _: load("examples"), "the folder has 3"),
+    "several robots": (lambda _: load("examples"), "the folder has 4"),
     "syntax": (lambda _: loads("@configuration\n@modules A,\n"), "<text>:2:"),
     "format": (lambda _: load(LEVEL0, format="rso2"), "did you mean `ros2`?"),
     "kind": (lambda r: r.check(select=["unused_modul"]), "did you mean `unused_module`?"),
