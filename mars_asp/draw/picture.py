@@ -148,6 +148,7 @@ def depict(
     strategies = dict(_strategies(configuration))
     joined = {name for line in configuration.relationships for name in _relationship_ends(line)}
     unread = {name.text for name in configuration.opaque}
+    commanding = frozenset(_commanding(configuration, described))
     boxes = [
         Box(
             _one_line(name),
@@ -161,7 +162,7 @@ def depict(
                 )
             ),
             *(
-                _node_look(name, configuration)
+                _node_look(name, configuration, commanding)
                 if introduces and name not in described
                 else (None, None, None)
             ),
@@ -170,7 +171,6 @@ def depict(
         for name in names
     ]
     number = {name: index for index, name in enumerate(names)}
-    commanding = frozenset(_commanding(configuration, described))
     lines = [
         _picture_line(relationship, number, described, notes, commanding)
         for relationship in configuration.relationships
@@ -181,19 +181,18 @@ def depict(
 
 
 def _node_look(
-    name: str, configuration: Configuration
+    name: str, configuration: Configuration, commanding: Set[str]
 ) -> tuple[str | None, str | None, str | None]:
-    """Return the kind of a node, its colour (of packs only), and the flow that it carries."""
+    """Return the kind of a node, its colour (of packs only), and the flow that it carries.
+
+    `commanding` has the gates of commands.
+    """
     kind = configuration.node_kind(name)
     brought = next((each for each in configuration.kinds if each.kind == kind), None)
     if brought is not None:
         return kind, brought.colour, brought.carries
     if kind == "gate_node":
-        gated = any(
-            isinstance(line, Control) and line.controlled == name
-            for line in configuration.relationships
-        )
-        return kind, None, "control" if gated else "data"
+        return kind, None, "control" if name in commanding else "data"
     return kind, None, kind and ("data" if kind.startswith("data") else "control")
 
 

@@ -6,24 +6,25 @@ from decimal import Decimal
 from mars_asp.language.parse import ABSTRACT, IMPORTED, NOT_ALL_READ, OF_MUX, OF_PACK
 from mars_asp.model.attributes import Attribute
 from mars_asp.model.declarations import (
-    GATING,
     Configuration,
     Control,
     Conversion,
     Data,
     Function,
     Gating,
+    Hold,
     Limit,
     Lock,
     Mode,
     Module,
     Mount,
     Relationship,
-    Reset,
     Service,
     Strategy,
     Transformation,
     ends_of,
+    ports_of,
+    verb_of,
 )
 from mars_asp.model.names import end, quoted, written
 from mars_asp.model.ports import parameter_names
@@ -49,42 +50,27 @@ def print_module(module: Module) -> str:
 
 def print_relationship(relationship: Relationship) -> str:
     """Return the line of a relationship."""
+    left, right = map(end, ends_of(relationship), ports_of(relationship))
+    words = [left, verb_of(relationship), right]
     match relationship:
-        case Data(client, source, _, mode, hz, client_port, source_port):
-            words = [end(client, client_port), "uses_data_from", end(source, source_port)]
-            if mode is not None:
-                words.append(print_mode(mode))
-            if hz is not None:
-                words.append(as_written(hz))
-        case Control(controlled, controller, _, priority, hold, allocation):
-            words = [written(controlled), "is_controlled_by", written(controller)]
-            if priority is not None:
-                words.append(str(priority))
-            if hold is not None:
-                words += ["hold", str(hold)]
-            if allocation is not None:
-                words += ["allocation", allocation]
-        case Mount(mounting, mounted, _, at, on, transformation):
-            words = [
-                written(mounting),
-                *_number_words(at),
-                "is_mounted_on",
-                written(mounted),
-                *_number_words(on),
-            ]
+        case Data(_, _, _, mode, hz):
+            words += () if mode is None else (print_mode(mode),)
+            words += () if hz is None else (as_written(hz),)
+        case Control(_, _, _, priority, hold, allocation):
+            words += [*_number_words(priority), *_after("hold", hold)]
+            words += _after("allocation", allocation)
+        case Mount(_, _, _, at, on, transformation):
+            words = [left, *_number_words(at), verb_of(relationship), right, *_number_words(on)]
             if transformation is not None:
                 words.append(transformation.text or print_transformation(transformation))
-        case Gating(gated, trigger, _, sign, ms, port, trigger_port):
-            words = [end(gated, port), GATING[sign], end(trigger, trigger_port), str(ms)]
-        case Reset(module, source, _, port):
-            words = [written(module), "is_reset_by", end(source, port)]
-        case Lock(controlled, source, _, priority, hold, port):
-            words = [written(controlled), "is_locked_by", end(source, port)]
+        case Gating(ms=ms):
+            words.append(str(ms))
+        case Lock(_, _, _, priority, hold):
             words += [*_number_words(priority), *_after("hold", hold)]
-        case Limit(controlled, source, _, hold, port):
-            words = [written(controlled), "is_limited_by", end(source, port), *_after("hold", hold)]
-        case Strategy(controlled, _, strategy, period):
-            words = [written(controlled), "is_arbitrated_by", strategy, *_after("period", period)]
+        case Limit(hold_ms=hold):
+            words += _after("hold", hold)
+        case Strategy(_, _, strategy, period):
+            words = [left, verb_of(relationship), strategy, *_after("period", period)]
     return " ".join(words)
 
 
@@ -200,8 +186,8 @@ def _number_words(number: int | None) -> tuple[str, ...]:
     return () if number is None else (str(number),)
 
 
-def _after(word: str, number: int | None) -> tuple[str, ...]:
-    return () if number is None else (word, str(number))
+def _after(word: str, value: Hold | str | None) -> tuple[str, ...]:
+    return () if value is None else (word, str(value))
 
 
 def _block(module: Module) -> Iterator[str]:

@@ -6,10 +6,10 @@ modules by mounts, control and data relationships. Nothing here decides anything
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from fractions import Fraction
-from typing import Literal, TypeAlias, get_args
+from typing import Any, Literal, TypeAlias, get_args
 
 from mars_asp.diagnostic import Span
 from mars_asp.model.attributes import Attribute, Attributed
@@ -264,6 +264,17 @@ class Strategy:
 
 
 Relationship: TypeAlias = Mount | Control | Data | Gating | Reset | Lock | Limit | Strategy
+#: The attributes with the two ends of relationships, the left one first.
+_END_NAMES: Mapping[type[Relationship], tuple[str, ...]] = {
+    Mount: ("mounting", "mounted"),
+    Control: ("controlled", "controller"),
+    Data: ("client", "source"),
+    Gating: ("gated", "trigger"),
+    Reset: ("module", "source"),
+    Lock: ("controlled", "source"),
+    Limit: ("controlled", "source"),
+    Strategy: ("controlled",),
+}
 #: The words between the two ends of relationships.
 _VERB_OF: Mapping[type[Relationship], str] = {
     Mount: "is_mounted_on",
@@ -338,21 +349,14 @@ def ports_of(relationship: Relationship) -> tuple[str | None, str | None]:
 
 def ends_of(relationship: Relationship) -> tuple[str, str]:
     """Return the two modules of a relationship, the left one first; that of a strategy twice."""
-    match relationship:
-        case Data(client, source):
-            return client, source
-        case Control(controlled, controller):
-            return controlled, controller
-        case Mount(mounting, mounted):
-            return mounting, mounted
-        case Gating(gated, trigger):
-            return gated, trigger
-        case Reset(module, source):
-            return module, source
-        case Lock(controlled, source) | Limit(controlled, source):
-            return controlled, source
-        case Strategy(controlled):
-            return controlled, controlled
+    left, *right = (getattr(relationship, name) for name in _END_NAMES[type(relationship)])
+    return left, right[0] if right else left
+
+
+def with_ends(relationship: Relationship, left: str, right: str) -> Relationship:
+    """Return a relationship between two other modules; a strategy has the left one alone."""
+    names: dict[str, Any] = dict(zip(_END_NAMES[type(relationship)], (left, right), strict=False))
+    return replace(relationship, **names)
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,18 +17,12 @@ from mars_asp.language.parse import MOST_ERRORS, read_text
 from mars_asp.language.print import print_module
 from mars_asp.model.declarations import (
     Configuration,
-    Control,
-    Data,
-    Gating,
     Include,
-    Limit,
-    Lock,
     Module,
-    Mount,
     Name,
     Relationship,
-    Reset,
-    Strategy,
+    ends_of,
+    with_ends,
 )
 from mars_asp.reading import WallError, check_walls
 
@@ -278,27 +272,7 @@ def name_within(prefix: str, name: str) -> str | None:
 
 
 def _renamed(prefix: str, line: Relationship) -> Relationship:
-    match line:
-        case Data(client, source):
-            ends = _prefixed(prefix, client), _prefixed(prefix, source)
-            return replace(line, client=ends[0], source=ends[1])
-        case Control(controlled, controller):
-            ends = _prefixed(prefix, controlled), _prefixed(prefix, controller)
-            return replace(line, controlled=ends[0], controller=ends[1])
-        case Mount(mounting, mounted):
-            ends = _prefixed(prefix, mounting), _prefixed(prefix, mounted)
-            return replace(line, mounting=ends[0], mounted=ends[1])
-        case Gating(gated, trigger):
-            ends = _prefixed(prefix, gated), _prefixed(prefix, trigger)
-            return replace(line, gated=ends[0], trigger=ends[1])
-        case Reset(module, source):
-            ends = _prefixed(prefix, module), _prefixed(prefix, source)
-            return replace(line, module=ends[0], source=ends[1])
-        case Lock(controlled, source) | Limit(controlled, source):
-            ends = _prefixed(prefix, controlled), _prefixed(prefix, source)
-            return replace(line, controlled=ends[0], source=ends[1])
-        case Strategy(controlled):
-            return replace(line, controlled=_prefixed(prefix, controlled))
+    return with_ends(line, *(_prefixed(prefix, name) for name in ends_of(line)))
 
 
 def instances(configuration: Configuration, described: Mapping[str, Module]) -> Iterator[Module]:

@@ -8,6 +8,7 @@ from typing import NamedTuple, cast
 
 from mars_asp.asp.solve.term_ids import TermId, as_symbol, text
 from mars_asp.model.declarations import (
+    GATING,
     Gating,
     Limit,
     Lock,
@@ -27,10 +28,7 @@ _PREDICATES = (
     *("spec_is_locked_by", "spec_is_limited_by", _STRATEGY),
 )
 _NUMBERS = ("spec_closes_for", "spec_lock_priority", "spec_bound_hold", "spec_mean_period")
-_SIGNS: Mapping[str, Sign] = {
-    "spec_is_suppressed_by": "suppress",
-    "spec_is_inhibited_by": "inhibit",
-}
+_SIGNS: Mapping[str, Sign] = {f"spec_{word}": sign for sign, word in GATING.items()}
 
 
 class _SideLine(NamedTuple):
