@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.exchange.ros2 import import_ros2
+from mars_asp.language.print import print_relationship
 from tests.support.packages import write_package
 
 LAUNCH = '<launch><node pkg="twist_mux" exec="twist_mux" name="{}">{}</node></launch>'
@@ -36,3 +37,24 @@ def test_a_mux_takes_the_parameters_for_its_name(
     write_package(files, tmp_path)
     [tree] = import_ros2([("", str(tmp_path))]).trees
     assert [each.name for each in tree.muxes] == [f"/{node}"] * is_mux
+
+
+@pytest.mark.parametrize("order", [("inputs", "locks"), ("locks", "inputs")])
+def test_a_mux_takes_its_locks_from_a_file_of_their_own(
+    order: tuple[str, str], tmp_path: Path
+) -> None:
+    # The package twist_mux is published with two such files.
+    lock = "    locks:\n      pause: {topic: pause, timeout: 0.0, priority: 7}\n"
+    given = "".join(f'<param from="$(find-pkg-share mine)/config/{name}.yaml"/>' for name in order)
+    files = {
+        "launch/mux.launch.xml": LAUNCH.format("twist_mux", given),
+        "config/inputs.yaml": PARAMETERS.format("twist_mux"),
+        "config/locks.yaml": f"twist_mux:\n  ros__parameters:\n{lock}",
+    }
+    write_package(files, tmp_path)
+    found = import_ros2([("", str(tmp_path))])
+    assert [print_relationship(line) for line in found.configuration.relationships] == [
+        "cmd_vel_out is_controlled_by joy 10 hold 500",
+        "cmd_vel_out is_locked_by pause 7",
+    ]
+    assert not [each for each in found.warnings if each.kind == "not_read"]

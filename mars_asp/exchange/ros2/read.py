@@ -967,9 +967,12 @@ class _WorkspaceRobot:
     def _parameters_of_mux(self, started: Started, full: str) -> Iterator[Mux]:
         """Yield the muxes in a node's parameters: launch file, else files, else the user's."""
         found: list[Mux] = []
-        if any(key.partition(".")[0] in SORTS for key in started.parameters):
-            values = self._node_parameters(started, full).values()
-            given = document_of((each for each in values if each.is_known), started.span)
+        values = self._node_parameters(started, full)
+        sorts = {key: each for key, each in values.items() if key.partition(".")[0] in SORTS}
+        # A file that alone describes the mux is read as written, with what ROS refuses in it.
+        files_of_sorts = {each.keys[0].span.path for each in sorts.values()}
+        if len(files_of_sorts) > 1 or sorts.keys() & started.parameters.keys():
+            given = document_of((each for each in values.values() if each.is_known), started.span)
             found += self._muxes(lambda: read_parameters(given, full))
         # cmd_vel_mux names its file in a parameter.
         named = started.parameters.get("yaml_cfg_file")
