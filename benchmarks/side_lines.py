@@ -13,129 +13,66 @@ import math
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 from growth import used
 
-#: Yields relationships with so many side lines.
-Family = Callable[[int], Iterator[str]]
+
+class Family(NamedTuple):
+    """Relationships of robots that differ in size: once for each number `{n}`, and once in all."""
+
+    each: tuple[str, ...]
+    once: tuple[str, ...] = ()
 
 
-def gates_apart(count: int) -> Iterator[str]:
-    """Each line has a client and a trigger of its own."""
-    for n in range(count):
-        yield f"T{n} uses_data_from S{n}"
-        yield f"S{n} is_suppressed_by A{n} 300"
+_TWO_CONTROLLERS = ("W{n} is_controlled_by A{n} 1", "W{n} is_controlled_by B{n} 2")
+_GATES_APART = Family(("T{n} uses_data_from S{n}", "S{n} is_suppressed_by A{n} 300"))
 
-
-def one_trigger(count: int) -> Iterator[str]:
-    """One output suppresses all lines."""
-    for n in range(count):
-        yield f"T{n} uses_data_from S{n}"
-        yield f"S{n} is_suppressed_by A 300"
-
-
-def one_line(count: int) -> Iterator[str]:
-    """All triggers close one line."""
-    yield "T uses_data_from S"
-    yield from (f"S is_suppressed_by A{n} 300" for n in range(count))
-
-
-def row(count: int) -> Iterator[str]:
-    """What passes a Gate triggers the next one."""
-    for n in range(count):
-        yield f"T{n} uses_data_from S{n}"
-        yield f"S{n} is_suppressed_by S{n + 1} 300"
-
-
-def inputs(count: int) -> Iterator[str]:
-    """The inputs of the clients of one source are suppressed."""
-    for n in range(count):
-        yield f"T{n}.x uses_data_from S"
-        yield f"T{n}.x is_suppressed_by A{n} 300"
-
-
-def commands_apart(count: int) -> Iterator[str]:
-    """Each controller is inhibited by an output of its own."""
-    for n in range(count):
-        yield f"W{n} is_controlled_by C{n}"
-        yield f"C{n} is_inhibited_by A{n}.x 300"
-
-
-def row_of_commands(count: int) -> Iterator[str]:
-    """Each controller is suppressed by the next one."""
-    for n in range(count):
-        yield f"W{n} is_controlled_by C{n}"
-        yield f"C{n} is_suppressed_by C{n + 1} 300"
-    yield f"W{count} is_controlled_by C{count}"
-
-
-def locks_apart(count: int) -> Iterator[str]:
-    """Each module has two controllers and a lock of its own."""
-    for n in range(count):
-        yield f"W{n} is_controlled_by A{n} 1"
-        yield f"W{n} is_controlled_by B{n} 2"
-        yield f"W{n} is_locked_by L{n} 2 hold 500"
-
-
-def one_lock(count: int) -> Iterator[str]:
-    """One output locks all modules, of which each has two controllers."""
-    for n in range(count):
-        yield f"W{n} is_controlled_by A{n} 1"
-        yield f"W{n} is_controlled_by B{n} 2"
-        yield f"W{n} is_locked_by L 2 hold 500"
-
-
-def locks_of_one(count: int) -> Iterator[str]:
-    """One module with so many controllers has a lock between each two of them."""
-    for n in range(count):
-        yield f"W is_controlled_by A{n} {n}"
-        yield f"W is_locked_by L{n} {n}"
-
-
-def limits_and_means(count: int) -> Iterator[str]:
-    """Each module takes weighted means, and has a limit."""
-    for n in range(count):
-        yield f"W{n} is_controlled_by A{n} 1"
-        yield f"W{n} is_controlled_by B{n} 2"
-        yield f"W{n} is_arbitrated_by weighted period 50"
-        yield f"W{n} is_limited_by L{n} hold 500"
-
-
-def one_of_many(count: int) -> Iterator[str]:
-    """One input of so many clients of one source is suppressed."""
-    yield from (f"T{n}.x uses_data_from S" for n in range(count))
-    yield "T0.x is_suppressed_by A 300"
-
-
-def one_output_of_many(count: int) -> Iterator[str]:
-    """An output with so many clients is suppressed."""
-    yield from (f"T{n} uses_data_from S" for n in range(count))
-    yield "S is_suppressed_by A 300"
-
-
-def one_controller(count: int) -> Iterator[str]:
-    """The controller of so many modules is inhibited, and one of the modules is locked."""
-    yield from (f"W{n} is_controlled_by C" for n in range(count))
-    yield "C is_inhibited_by A.x 300"
-    yield "W0 is_locked_by L hold 500"
-
-
-def converted(count: int) -> Iterator[str]:
-    """Each Gate needs a converter for its trigger or its line."""
-    for n in range(count):
-        yield f"T{n} uses_data_from S{n}"
-        yield f"S{n} is_suppressed_by A{n} 300"
-
-
+#: `{next}` is the number after `{n}`, and `{count}` that of all.
 FAMILIES: Mapping[str, Family] = {
-    each.__name__: each
-    for each in (
-        *(gates_apart, one_trigger, one_line, row, inputs, commands_apart, row_of_commands),
-        *(locks_apart, one_lock, locks_of_one, limits_and_means),
-        *(one_of_many, one_output_of_many, one_controller, converted),
-    )
+    # Each line has a client and a trigger of its own.
+    "gates_apart": _GATES_APART,
+    # One output suppresses all lines.
+    "one_trigger": Family(("T{n} uses_data_from S{n}", "S{n} is_suppressed_by A 300")),
+    # All triggers close one line.
+    "one_line": Family(("S is_suppressed_by A{n} 300",), ("T uses_data_from S",)),
+    # What passes a Gate triggers the next one.
+    "row": Family(("T{n} uses_data_from S{n}", "S{n} is_suppressed_by S{next} 300")),
+    # The inputs of the clients of one source are suppressed.
+    "inputs": Family(("T{n}.x uses_data_from S", "T{n}.x is_suppressed_by A{n} 300")),
+    # Each controller is inhibited by an output of its own.
+    "commands_apart": Family(("W{n} is_controlled_by C{n}", "C{n} is_inhibited_by A{n}.x 300")),
+    # Each controller is suppressed by the next one.
+    "row_of_commands": Family(
+        ("W{n} is_controlled_by C{n}", "C{n} is_suppressed_by C{next} 300"),
+        ("W{count} is_controlled_by C{count}",),
+    ),
+    # Each module has two controllers and a lock of its own.
+    "locks_apart": Family((*_TWO_CONTROLLERS, "W{n} is_locked_by L{n} 2 hold 500")),
+    # One output locks all modules, of which each has two controllers.
+    "one_lock": Family((*_TWO_CONTROLLERS, "W{n} is_locked_by L 2 hold 500")),
+    # One module with so many controllers has a lock between each two of them.
+    "locks_of_one": Family(("W is_controlled_by A{n} {n}", "W is_locked_by L{n} {n}")),
+    # Each module takes weighted means, and has a limit.
+    "limits_and_means": Family(
+        (
+            *_TWO_CONTROLLERS,
+            "W{n} is_arbitrated_by weighted period 50",
+            "W{n} is_limited_by L{n} hold 500",
+        )
+    ),
+    # One input of so many clients of one source is suppressed.
+    "one_of_many": Family(("T{n}.x uses_data_from S",), ("T0.x is_suppressed_by A 300",)),
+    # An output with so many clients is suppressed.
+    "one_output_of_many": Family(("T{n} uses_data_from S",), ("S is_suppressed_by A 300",)),
+    # The controller of so many modules is inhibited, and one of the modules is locked.
+    "one_controller": Family(
+        ("W{n} is_controlled_by C",), ("C is_inhibited_by A.x 300", "W0 is_locked_by L hold 500")
+    ),
+    # Each Gate needs a converter for its trigger or its line, by the blocks of `described`.
+    "converted": _GATES_APART,
 }
 COMMANDS = ("synthesise", "analyse", "check", "explain", "verify")
 
@@ -156,7 +93,9 @@ def _block(name: str, annotation: str, declaration: str) -> str:
 
 def robot(family: str, count: int) -> str:
     """Return a configuration with relationships and the modules that they name."""
-    written = list(FAMILIES[family](count))
+    each, once = FAMILIES[family]
+    written = [line.format(count=count) for line in once]
+    written += (line.format(n=n, next=n + 1) for n in range(count) for line in each)
     words = (line.split() for line in written)
     ends = ((left, right) for left, word, right, *_ in words if word != "is_arbitrated_by")
     names = dict.fromkeys(end.partition(".")[0] for pair in ends for end in pair)
