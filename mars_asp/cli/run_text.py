@@ -118,7 +118,7 @@ def print_winners(trial: "Trial") -> None:
 
 
 def print_reasons(trial: "Trial", *, losses: bool) -> None:
-    """Print what Gates let pass and locks stopped, or what Gates kept back, with rule and line."""
+    """Print the deliveries of Gates and stops of locks, or the losses, with rule and line."""
     from mars_asp.execution.judgement import reasons_of
 
     found = reasons_of(trial, losses=losses)

@@ -398,7 +398,7 @@ def test_why_not_works_by_keyboard(browser: Browser, tmp_path: Path) -> None:
     browser.wait("document.activeElement.id === 'kind'")
     assert browser.run("document.querySelector('#module').value") == "Turn"
     answers = "document.querySelector('#answers').innerText"
-    assert len(browser.run(answers).split("No ")) == 6
+    assert len(browser.run(answers).split("No ")) == 7  # six kinds of nodes
     browser.press("ArrowDown", 3)
     browser.wait(f"{answers}.startsWith('No ArbitrationNode')")
     assert browser.run(answers).splitlines() == [

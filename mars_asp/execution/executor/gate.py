@@ -17,9 +17,10 @@ class Trigger:
     """A trigger of a Gate, which keeps the line closed in [since, until) (ns).
 
     `boolean` is whether its messages are truths, or None if unknown; a false one ends the closing.
-    A `late` trigger closes from the next instant on. For a trigger `in_circle`, which what the Gate
-    passes can reach, no message of the line waits. `heard` are the times of its messages, with
-    whether they close and when they were made; `passed` is the number of those that passed.
+    A `late` trigger closes from the next instant on. A trigger is `in_circle` if messages that pass
+    the Gate can reach it: the messages of the line do not wait for it. `heard` are the times of its
+    messages, with whether they close and when they were made; `passed` is the number of those that
+    passed.
     """
 
     link: Link
@@ -51,8 +52,8 @@ class Trigger:
 class Gate:
     """Passes the messages of one line while no trigger keeps it closed, and those of suppressors.
 
-    Messages wait until nothing that the instant still brings can reach a trigger, which is so at
-    `rank`. `verdicts` are the times of the line's messages, each with the trigger that kept the
+    Messages wait until no other message of the instant can reach a trigger, which is so at `rank`.
+    `verdicts` are the times of the line's messages, each with the trigger that kept the
     line closed, or None, and whether the message passed.
     """
 
@@ -112,7 +113,7 @@ class Gate:
         self._wait()
 
     def _came_round(self, trigger: Trigger, message: Message) -> bool:
-        """Whether a suppressor in circle brings what passed in this instant, or an answer to it.
+        """Whether the message of a suppressor in circle passed in this instant, or answers one.
 
         Such a message would pass for ever in one instant.
         """

@@ -35,7 +35,7 @@ message_of: Callable[[tuple[Any, int, str, int | None, int | None]], Message] = 
 )
 
 
-#: What flows over a link.
+#: Whether a link carries data or commands.
 Stream: TypeAlias = Literal["data", "control"]
 #: The kinds of links that end at the side of a Gate, an arbiter or a module.
 SideKind: TypeAlias = Literal["suppress", "inhibit", "lock", "limit", "reset"]

@@ -325,7 +325,7 @@ def offer_all(module: Sensor | Algorithm, message: Message, epoch: int) -> None:
 
 
 class Completion:
-    """The outputs `@Done` of a module, which are asked after its computations and resets."""
+    """The outputs `@Done` of a module, which may send after its computations and resets."""
 
     def __init__(self, name: str, behaviour: Behaviour, schedule: Schedule) -> None:
         self.name, self.call, self.schedule = name, behaviour.call, schedule
@@ -336,7 +336,7 @@ class Completion:
         self.following: Completion | None = None
 
     def ask(self) -> None:
-        """Call the function, and offer what it returns unless that is None."""
+        """Call the function, and offer its result unless that is None."""
         now = self.schedule.now
         try:
             result = copied(self.call())

@@ -1,7 +1,7 @@
 """The links of a specification, their modes and rates, and the kinds of its modules."""
 
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from operator import itemgetter
 from typing import TYPE_CHECKING, NamedTuple
@@ -77,7 +77,7 @@ class Plan:
         self.slots = {name: self._slots(name) for name in {**self.data_in, **self.control_in}}
         ends = (end for link in self.links for end in (link.source, link.client))
         self.names = tuple(dict.fromkeys([*(n.text for n in configuration.modules), *ends]))
-        #: What reaches a part of a module within it: resets, and computations its completion.
+        #: The links within modules, from resets and to completions, by their sources.
         self.inner: defaultdict[str, list[Link]] = defaultdict(list)
         self._join_parts()
         self.data_depth = self._data_depths()
@@ -251,7 +251,7 @@ class Plan:
                 self.stages[name] = stage + self._adds_stage(name, stage)
 
     def _adds_stage(self, name: str, stage: int) -> int:
-        """Return by how much a name is deeper among commands than what reaches it."""
+        """Return by how much a name is deeper among commands than its sources."""
         kind = self.kind(name)
         if kind == "gate_node":
             return 1 + (stage < 0) if self.control_in[name] else int(stage >= 0)
@@ -265,14 +265,22 @@ class Plan:
         return is_gate and link.stream == "control" and self.stream(link.client) == "data"
 
     def in_circle(self, link: Link) -> bool:
-        """Whether what a link brings can come back to its source."""
+        """Whether the messages of a link can come back to its source."""
         return self.circles[link.source] == self.circles[link.client]
 
     def is_gated(self, name: str) -> bool:
-        """Whether a node forwards what passed a Gate, through nodes only."""
-        while self.kind(name) in ("data_splitter", "data_transformer") and self.data_in[name]:
+        """Whether a node forwards the messages of a Gate, through nodes only."""
+        return any(self.kind(each) == "gate_node" for each in self._upstream(name))
+
+    def _upstream(self, name: str) -> Iterator[str]:
+        """Yield a name and the sources before it, through the first inputs of nodes, each once."""
+        seen = set[str]()
+        while name not in seen:
+            yield name
+            seen.add(name)
+            if self.kind(name) not in _FORWARDING or not self.data_in[name]:
+                return
             name = self.data_in[name][0].source
-        return self.kind(name) == "gate_node"
 
     def bounds_others(self, name: str) -> bool:
         """Whether the commands of a module limit others, through any nodes."""
@@ -290,15 +298,10 @@ class Plan:
 
     def is_boolean(self, link: Link) -> bool | None:
         """Whether the messages of a link are truths, or None if that is unknown."""
-        name, seen = link.source, set[str]()
-        while name not in seen:
-            seen.add(name)
+        for name in self._upstream(link.source):
             for conversion in self.configuration.conversions:
                 if conversion.transformer == name:
                     return _is_boolean(conversion.target)
-            if not self.is_node(name) or not self.data_in[name]:
-                break
-            name = self.data_in[name][0].source
         outputs = [s.output for s in self.services(name) if s.kind in DELIVERING]
         return None if not outputs or outputs[0] is None else _is_boolean(outputs[0])
 
@@ -412,9 +415,14 @@ class Plan:
 
     def carried(self, link: Link) -> tuple[Mode, Fraction | None]:
         """Return the mode and rate of a link: stated, or else those of its source."""
+        return self._carried(link, self.made(link.source))
+
+    def _carried(
+        self, link: Link, made: tuple[Mode, Fraction | None]
+    ) -> tuple[Mode, Fraction | None]:
         mode, hz = link.mode, link.hz
         if mode is None or (mode.name == AT_FREQUENCY and hz is None):
-            fed, rate = self.made(link.source)
+            fed, rate = made
             is_node = self.kind(link.source) in _FORWARDING
             mode = mode or (fed if is_node else self.offered(link.source)[0])
             hz = rate if mode.name == AT_FREQUENCY else None
@@ -422,9 +430,17 @@ class Plan:
 
     def made(self, name: str) -> tuple[Mode, Fraction | None]:
         """Return the mode and rate of the messages of a module, or of the input of a node."""
+        names = list(self._upstream(name))
+        made = self._made(names[-1])
+        for node in reversed(names):
+            if self.kind(node) in _FORWARDING and self.data_in[node]:
+                made = self._carried(self.data_in[node][0], made)
+        return made
+
+    def _made(self, name: str) -> tuple[Mode, Fraction | None]:
+        """Return the mode and rate of the messages of a module; of a node, those without input."""
         if self.kind(name) in _FORWARDING:
-            feeding = self.data_in[name]
-            return self.carried(feeding[0]) if feeding else (Mode(WHEN_READY), None)
+            return Mode(WHEN_READY), None
         mode, hz = self.offered(name)
         if mode.name not in (AT_FREQUENCY, ON_REQUEST):
             # The module sends each message; the link applies the condition of the mode.
