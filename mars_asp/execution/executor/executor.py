@@ -35,6 +35,7 @@ from mars_asp.execution.executor.nodes import (
 )
 from mars_asp.execution.executor.plan import Plan
 from mars_asp.execution.executor.schedule import DATA, MILLISECOND, SECOND, Schedule
+from mars_asp.model.cycles import knots
 from mars_asp.model.declarations import Configuration, Module
 from mars_asp.model.names import end
 
@@ -185,6 +186,7 @@ class Executor:
         ]
         problems += [_open_input(plan, link) for link in plan.links if plan.left_open(link)]
         problems += [_no_side(plan, link) for link in plan.links if plan.lacks_node(link)]
+        problems += _circles(plan)
         links = (link for link in plan.links if link.stream == "data")
         problems += [_no_value(plan, k) for k in links if lacks_value(plan.carried(k)[0])]
         if problems:
@@ -474,6 +476,23 @@ def _no_side(plan: Plan, link: Link) -> Diagnostic:
     message = f"`{link.client}` is {word} by `{link.source}`, and it is not {node}"
     help_text = "synthesise the configuration: its specification has the node"
     return Diagnostic("side-line", "error", message, link.span, (), help_text)
+
+
+def _circles(plan: Plan) -> Iterator[Diagnostic]:
+    """Yield the circles of nodes, around which a message would be forwarded without end."""
+    edges = (
+        (link.source, link.client, number)
+        for number, link in enumerate(plan.links)
+        if link.kind in ("data", "control")
+        and plan.is_node(link.source)
+        and plan.is_node(link.client)
+    )
+    for knot in knots(edges):
+        first, *others = (plan.links[number] for number in sorted(edge[2] for edge in knot.walk))
+        message = f"`{first.client}` would forward each message back to itself"
+        labels = tuple((link.span, "through this line") for link in others)
+        help_text = "let a module be between them, or delete a line of the circle"
+        yield Diagnostic("circle", "error", message, first.span, labels, help_text)
 
 
 def _no_value(plan: Plan, link: Link) -> Diagnostic:

@@ -200,6 +200,47 @@ def test_all_that_is_unbound_or_never_runs_is_reported_at_once() -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("lines", "first", "others"),
+    [
+        (
+            (
+                "DataSplitter1 uses_data_from DataSplitter2",
+                "DataSplitter2 uses_data_from DataSplitter1",
+            ),
+            3,
+            [4],
+        ),
+        (
+            (
+                "Gate1 uses_data_from Gate2",
+                "Gate1 is_inhibited_by D 10",
+                "Gate2 uses_data_from Gate1",
+            ),
+            3,
+            [5],
+        ),
+        (
+            (
+                "ArbitrationNode is_controlled_by C 0",
+                "ArbitrationNode is_controlled_by ControlSplitter1 1",
+                "ControlSplitter1 is_controlled_by ArbitrationNode",
+            ),
+            4,
+            [5],
+        ),
+    ],
+)
+def test_a_circle_of_nodes_is_refused_before_the_run(
+    lines: tuple[str, ...], first: int, others: list[int]
+) -> None:
+    modules = [sensor("S"), data_out("D"), control_out("C"), effector("P")]
+    found = refusals(executed, "\n".join(lines), modules, {"S": counter()}, 1)
+    (circle,) = (each for each in found if each.code == "circle")
+    assert circle.span.line == first
+    assert [label.line for label, _ in circle.labels] == others
+
+
 @pytest.mark.parametrize("mode", ["NotifyOnValue", "NotifyOnValue(of=range)"])
 def test_a_missing_value_is_reported_before_the_run(mode: str) -> None:
     places = [
