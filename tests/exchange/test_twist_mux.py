@@ -10,11 +10,12 @@ from mars_asp.cli import run_here
 from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.exchange.lift import lifted
 from mars_asp.exchange.recognise import recognised
-from mars_asp.exchange.twist_mux import import_twist_mux
+from mars_asp.exchange.twist_mux import import_muxes
 from mars_asp.language import Parsed, parse_text, print_configuration
 from mars_asp.model.declarations import Configuration, Control, Lock, ends_of
 from tests.support.documents import ROOT
 from tests.support.fixtures import Captured, Patch
+from tests.support.refusals import refusal
 
 FOLDER = ROOT / "tests" / "twist_mux"
 FILES = sorted(FOLDER.glob("*.yaml"))
@@ -40,7 +41,7 @@ def golden_lines(found: Parsed) -> Iterator[str]:
 @pytest.mark.parametrize("file", FILES, ids=lambda path: path.stem)
 def test_each_file_gives_the_expected_output(file: Path, update_golden: bool) -> None:
     text = file.read_text(encoding="utf-8")
-    found = "\n".join(golden_lines(import_twist_mux(text, file.name))) + "\n"
+    found = "\n".join(golden_lines(import_muxes([(text, file.name)]))) + "\n"
     golden = file.with_suffix(".txt")
     if update_golden:
         golden.write_text(found, encoding="utf-8")
@@ -151,7 +152,7 @@ REFUSED = [
 @pytest.mark.parametrize(("text", "wrong"), REFUSED, ids=lambda value: str(value)[:30])
 def test_each_refused_file_reports_all_its_errors(text: str, wrong: list[str]) -> None:
     with pytest.raises(MarsError) as caught:
-        import_twist_mux(text, "m.yaml")
+        import_muxes([(text, "m.yaml")])
     assert [place(d) for d in caught.value.diagnostics] == wrong
     assert all(d.help for d in caught.value.diagnostics)
 
@@ -259,7 +260,7 @@ def meaning(of: Configuration) -> tuple[object, ...]:
 
 @pytest.mark.parametrize("file", FILES, ids=lambda path: path.stem)
 def test_printed_imports_have_the_meaning_of_the_file(file: Path) -> None:
-    found = import_twist_mux(file.read_text(encoding="utf-8"), file.name).configuration
+    found = import_muxes([(file.read_text(encoding="utf-8"), file.name)]).configuration
     for shape in (found, lifted(found)):
         assert meaning(parse_text(print_configuration(shape), "a.mars").configuration) == meaning(
             shape
@@ -268,7 +269,7 @@ def test_printed_imports_have_the_meaning_of_the_file(file: Path) -> None:
 
 def test_a_node_is_never_named_like_an_input() -> None:
     text = f"topics: {{ArbitrationNode: {INPUT}}}"
-    found = lifted(import_twist_mux(text, "m.yaml").configuration)
+    found = lifted(import_muxes([(text, "m.yaml")]).configuration)
     assert [name.text for name in found.modules] == [
         "cmd_vel_out",
         "ArbitrationNode",
@@ -293,7 +294,7 @@ KNOWN = {
 def test_real_files_give_their_known_answers(name: str, capsys: Captured) -> None:
     path = SHARED / f"{name}.yaml"
     inputs, findings = KNOWN[name]
-    found = import_twist_mux(path.read_text(encoding="utf-8"), str(path)).configuration
+    found = import_muxes([(path.read_text(encoding="utf-8"), str(path))]).configuration
     assert len(found.relationships) == inputs
     _, document, _ = outcome(f"check --format json {path}", capsys)
     warned = json.loads(document)["findings"]
@@ -341,6 +342,32 @@ def test_names_in_a_list_are_labels() -> None:
     inputs = (("a", "x", 1), ("a", "y", 2), ("a_2", "z", 3))
     item = "- {{name: {}, topic: {}, timeout: 0.5, priority: {}}}\n"
     text = "topics:\n" + "".join(item.format(*each) for each in inputs)
-    lines = import_twist_mux(text, "mux.yaml").configuration.relationships
+    lines = import_muxes([(text, "mux.yaml")]).configuration.relationships
     found = [(str(each.controller), each.priority) for each in lines if isinstance(each, Control)]
     assert found == [("a", 1), ("a_2", 2), ("a_2_2", 3)]
+
+
+TOPICS = """twist_mux:
+  ros__parameters:
+    topics:
+      nav: {topic: nav_vel, timeout: 0.5, priority: 10}
+"""
+LOCKS = """{node}:
+  ros__parameters:
+    locks:
+      pause: {{topic: pause_navigation, timeout: 0.0, priority: 50}}
+"""
+
+
+@pytest.mark.parametrize("is_first", [False, True])
+def test_locks_in_a_file_of_their_own_are_those_of_the_mux(*, is_first: bool) -> None:
+    files = [(LOCKS.format(node="twist_mux"), "locks.yaml"), (TOPICS, "topics.yaml")]
+    lines = import_muxes(files if is_first else files[::-1]).configuration.relationships
+    (lock,) = (each for each in lines if isinstance(each, Lock))
+    assert (lock.controlled, str(lock.source), lock.priority) == ("cmd_vel_out", "pause", 50)
+    assert (lock.span.path, lock.span.line) == ("locks.yaml", 4)
+
+
+def test_locks_of_another_node_are_refused() -> None:
+    files = [(TOPICS, "topics.yaml"), (LOCKS.format(node="other"), "locks.yaml")]
+    assert "has no mux" in refusal(import_muxes, files).message

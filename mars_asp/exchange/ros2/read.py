@@ -50,7 +50,7 @@ from mars_asp.exchange.topics import configuration_of
 from mars_asp.exchange.twist_mux.document import (
     SORTS,
     MuxDocument,
-    read_document,
+    read_documents,
     read_parameters,
     read_parts,
 )
@@ -146,7 +146,7 @@ def import_ros2(
     problems: list[Diagnostic] = []
     unread: list[Unread] = []
     launched = [(text, path) for text, path in files if recognised(text) != "twist_mux"]
-    muxes = [read_document(*file) for file in files if file not in launched]
+    muxes = read_documents([file for file in files if file not in launched])
     by_root = defaultdict[tuple[Path, bool], list[tuple[str, str]]](list)
     for text, path in launched:
         by_root[_root(Path(path))].append((text, path))

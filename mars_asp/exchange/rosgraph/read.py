@@ -13,7 +13,7 @@ from mars_asp.exchange.rosgraph.node_info import read_node_info
 from mars_asp.exchange.rosgraph.rosdiscover import read_rosdiscover
 from mars_asp.exchange.rosgraph.topic_info import read_topic_info
 from mars_asp.exchange.topics import configuration_of
-from mars_asp.exchange.twist_mux.document import read_document
+from mars_asp.exchange.twist_mux.document import read_documents
 from mars_asp.exchange.unread import Unread, notes
 from mars_asp.language import Parsed
 from mars_asp.model.graph import Graph, GraphNode, Mux
@@ -40,15 +40,12 @@ def import_rosgraph(files: Sequence[tuple[str, str]]) -> Parsed:
     problems: list[Diagnostic] = []
     unread: list[Unread] = []
     warnings: list[Diagnostic] = []
-    muxes: list[Mux] = []
+    of_muxes: list[tuple[str, str]] = []
     for text, path in files:
         try:
             kind = dump_of(text)
             if kind is None and recognised(text) == "twist_mux":
-                document = read_document(text, path)
-                muxes += document.muxes
-                unread += document.unread
-                warnings += document.warnings
+                of_muxes.append((text, path))
                 continue
             if kind is None:
                 raise MarsError((_unknown(path),))
@@ -59,6 +56,14 @@ def import_rosgraph(files: Sequence[tuple[str, str]]) -> Parsed:
         graphs.append(dump.graph(path))
         problems += dump.problems
         unread += dump.unread
+    muxes: list[Mux] = []
+    try:
+        for document in read_documents(of_muxes):
+            muxes += document.muxes
+            unread += document.unread
+            warnings += document.warnings
+    except MarsError as error:
+        problems += error.diagnostics
     if not problems and not any(graph.nodes for graph in graphs):
         problems.append(_empty(files[0][1]))
     if problems:

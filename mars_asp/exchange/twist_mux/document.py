@@ -69,19 +69,78 @@ class _Leaf(NamedTuple):
     value: Node
 
 
-def read_document(text: str, path: str) -> MuxDocument:
-    """Return the muxes of a YAML file.
+class _Section(NamedTuple):
+    """The parameters of a node, `names`, of which some describe a mux.
+
+    Lists of inputs are errors unless `listed`, as in ROS 2 parameters.
+    """
+
+    names: tuple[str, ...]
+    pairs: tuple[tuple[Scalar, Node], ...]
+    listed: bool
+
+    def has_inputs(self) -> bool:
+        return any(key.text.partition(".")[0] in _ENGINES for key, _ in self.pairs)
+
+
+def read_documents(files: Sequence[tuple[str, str]]) -> list[MuxDocument]:
+    """Return the muxes of the YAML files of one robot, each file a text and its path.
+
+    Locks in a file of their own are those of the mux with the same node name in another file, or of
+    the only mux where one of the two has no node name.
 
     Raises:
-        MarsError: it is not YAML, has no mux, or its muxes have errors (all of them are listed).
+        MarsError: files are not YAML, have nothing of a mux, or have errors (all are listed).
     """
-    document = read_parts(text, path)
-    if not document.muxes:
-        message = "the file has no mux: neither `topics` nor `subscribers` with an input"
-        help_text = "give the parameters of a twist_mux or cmd_vel_mux"
-        place = whole_file(path)
-        raise MarsError((Diagnostic("mux", "error", message, place, help=help_text),))
-    return document
+    problems: list[Diagnostic] = []
+    readers: list[_MuxReader] = []
+    for text, path in files:
+        try:
+            readers.append(_reader_of(text, path))
+        except MarsError as error:
+            problems += error.diagnostics
+    moves = _moves_of_locks([section for reader in readers for section in reader.sections])
+    documents: list[MuxDocument] = []
+    for reader in readers:
+        has_parts = any(section is moved for section in reader.sections for moved, _ in moves)
+        reader.sections = [
+            _with_locks(section, moves)
+            for section in reader.sections
+            if all(section is not moved for moved, _ in moves)
+        ]
+        try:
+            document = reader.document()
+        except MarsError as error:
+            problems += error.diagnostics
+            continue
+        documents.append(document)
+        if not document.muxes and not has_parts:
+            message = "the file has no mux: neither `topics` nor `subscribers` with an input"
+            help_text = "give the parameters of a twist_mux or cmd_vel_mux"
+            problems.append(Diagnostic("mux", "error", message, reader.place, help=help_text))
+    if problems:
+        raise MarsError(problems)
+    return documents
+
+
+def _moves_of_locks(sections: Sequence[_Section]) -> list[tuple[_Section, _Section]]:
+    """Return the sections without inputs, each with the one of its mux, where there is just one."""
+    owners = [section for section in sections if section.has_inputs()]
+    moves = []
+    for section in sections:
+        if section.has_inputs():
+            continue
+        same = [owner for owner in owners if owner.names == section.names]
+        if not same and len(owners) == 1 and () in (owners[0].names, section.names):
+            same = owners
+        moves += [(section, owner) for owner in same if len(same) == 1]
+    return moves
+
+
+def _with_locks(section: _Section, moves: Sequence[tuple[_Section, _Section]]) -> _Section:
+    """Return a section with the parameters of those whose locks are moved to it."""
+    further = [pair for moved, owner in moves if owner is section for pair in moved.pairs]
+    return section._replace(pairs=(*section.pairs, *further))
 
 
 def read_parts(text: str, path: str) -> MuxDocument:
@@ -90,11 +149,15 @@ def read_parts(text: str, path: str) -> MuxDocument:
     Raises:
         MarsError: it is not YAML, or its muxes have errors (all of them are listed).
     """
+    return _reader_of(text, path).document()
+
+
+def _reader_of(text: str, path: str) -> "_MuxReader":
     root = read_yaml(text, path)
-    reader = _MuxReader()
+    reader = _MuxReader(whole_file(path))
     if isinstance(root, Pairs):
         reader.find(root, ())
-    return reader.document()
+    return reader
 
 
 def read_parameters(root: Pairs, node: str) -> MuxDocument:
@@ -103,25 +166,29 @@ def read_parameters(root: Pairs, node: str) -> MuxDocument:
     Raises:
         MarsError: all errors in the parameters.
     """
-    reader = _MuxReader()
-    reader.mux(root, tuple(filter(None, node.split("/"))), listed=True)
+    reader = _MuxReader(root.span)
+    reader.sections = [_Section(tuple(filter(None, node.split("/"))), root.pairs, listed=True)]
     return reader.document()
 
 
 class _MuxReader:
     """A reader that collects muxes, skipped contents, errors and warnings."""
 
-    def __init__(self) -> None:
+    def __init__(self, place: Span) -> None:
+        self.place = place
+        self.sections: list[_Section] = []
         self.muxes: list[Mux] = []
         self.unread: list[Unread] = []
         self.problems: list[Diagnostic] = []
 
     def document(self) -> MuxDocument:
-        """Return the collected muxes, skipped contents and warnings.
+        """Read the muxes of all sections; return them, skipped contents and warnings.
 
         Raises:
             MarsError: the muxes have errors.
         """
+        for section in self.sections:
+            self.mux(section)
         if any(problem.severity == "error" for problem in self.problems):
             raise MarsError(self.problems)
         return MuxDocument(tuple(self.muxes), tuple(self.unread), tuple(self.problems))
@@ -131,9 +198,9 @@ class _MuxReader:
         self.problems.append(Diagnostic("mux", "error", message, span, labels, help_text))
 
     def find(self, node: Pairs, names: tuple[str, ...]) -> None:
-        """Read the muxes in a map, recursively; `names` are the keys above it."""
+        """Find the sections of muxes in a map, recursively; `names` are the keys above it."""
         if any(key.text.partition(".")[0] in SORTS for key, _ in node.pairs):
-            self.mux(node, names, listed=True)
+            self.sections.append(_Section(names, node.pairs, listed=True))
             return
         for key, value in node.pairs:
             if key.text == PARAMETERS:
@@ -144,7 +211,7 @@ class _MuxReader:
                 self.unread.append(Unread("parameters", key.text, key.span))
 
     def parameters(self, key: Scalar, value: Node, names: tuple[str, ...]) -> None:
-        """Read the mux below `ros__parameters` of the node `names`, if it is one."""
+        """Find the section of a mux below `ros__parameters` of the node `names`, if it is one."""
         if isinstance(value, Items):
             self.wrong(
                 key.span,
@@ -153,19 +220,19 @@ class _MuxReader:
             )
         elif isinstance(value, Pairs):
             if any(k.text.partition(".")[0] in SORTS for k, _ in value.pairs):
-                self.mux(value, names, listed=False)
+                self.sections.append(_Section(names, value.pairs, listed=False))
             else:
                 node = "/".join(names) or PARAMETERS
                 self.unread.append(Unread("other nodes", node, key.span))
 
-    def mux(self, node: Pairs, names: tuple[str, ...], *, listed: bool) -> None:
-        """Read one mux; lists of inputs are errors unless `listed`, as in ROS 2 parameters."""
+    def mux(self, section: _Section) -> None:
+        """Read one mux."""
         entries: dict[Sort, list[_MuxEntry]] = {}
         leaves: list[_Leaf] = []
         output = OUTPUT
         spans: dict[Sort, Span] = {}
         lists: list[Scalar] = []
-        for key, value in node.pairs:
+        for key, value in section.pairs:
             head = key.text.partition(".")[0]
             sort = next((sort for sort in SORTS if sort == head), None)
             if sort is None:
@@ -177,7 +244,7 @@ class _MuxReader:
             spans.setdefault(sort, part_of(key, 0, len(head)))
             entries.setdefault(sort, [])
             if isinstance(value, Items) and key.text == head:
-                if listed:
+                if section.listed:
                     entries[sort] += self.listed(value)
                 else:
                     lists.append(key)
@@ -212,7 +279,8 @@ class _MuxReader:
                     self.warn_of_high(found, entries[listening])
                     self.warn_of_high(locks, entries.get("locks", ()))
                 at = spans[listening]
-                self.muxes.append(Mux("/".join(names), engine, at, output, found, locks=locks))
+                name = "/".join(section.names)
+                self.muxes.append(Mux(name, engine, at, output, found, locks=locks))
 
     def listed(self, items: Items) -> Iterator[_MuxEntry]:
         """Yield the entries of a list of maps; a repeated name gets a number.

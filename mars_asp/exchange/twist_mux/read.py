@@ -5,7 +5,7 @@ from pathlib import PurePath
 
 from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.exchange.locks import lock_line, lock_names
-from mars_asp.exchange.twist_mux.document import read_document
+from mars_asp.exchange.twist_mux.document import MuxDocument, read_documents
 from mars_asp.exchange.unite import united
 from mars_asp.exchange.unread import notes
 from mars_asp.exchange.yaml_document import MOST_BYTES
@@ -22,23 +22,36 @@ def import_muxes(files: Sequence[tuple[str, str]]) -> Parsed:
     Raises:
         MarsError: all errors of the files.
     """
-    parts: list[Parsed] = []
+    long = [path for text, path in files if len(text) > MOST_BYTES]
+    if long:
+        message = f"the file has more than {MOST_BYTES} characters, which no mux needs"
+        help_text = "give the file with the parameters of the mux alone"
+        raise MarsError(
+            Diagnostic("mux", "error", message, whole_file(path), help=help_text) for path in long
+        )
+    paths = [path for _, path in files]
+    documents = read_documents(files)
+    parts = _configurations(documents, paths, [""] * len(paths))
+    names = [name.text for part in parts for name in part.configuration.modules]
+    if len(set(names)) < len(names):
+        before = [f"{name}/" for name in _distinct_names(paths)]
+        parts = _configurations(documents, paths, before)
+    return united(parts)
+
+
+def _configurations(
+    documents: Sequence[MuxDocument], paths: Sequence[str], prefixes: Sequence[str]
+) -> list[Parsed]:
     problems: list[Diagnostic] = []
-    for text, path in files:
+    parts: list[Parsed] = []
+    for document, path, within in zip(documents, paths, prefixes, strict=True):
         try:
-            parts.append(import_twist_mux(text, path))
+            parts.append(_configuration_of(document, path, within))
         except MarsError as error:
             problems += error.diagnostics
     if problems:
         raise MarsError(problems)
-    names = [name.text for part in parts for name in part.configuration.modules]
-    if len(set(names)) < len(names):
-        before = _distinct_names([path for _, path in files])
-        parts = [
-            import_twist_mux(text, path, f"{name}/")
-            for (text, path), name in zip(files, before, strict=True)
-        ]
-    return united(parts)
+    return parts
 
 
 def _distinct_names(paths: Sequence[str]) -> list[str]:
@@ -47,21 +60,13 @@ def _distinct_names(paths: Sequence[str]) -> list[str]:
     return stems if len(set(stems)) == len(stems) else list(paths)
 
 
-def import_twist_mux(text: str, path: str, within: str = "") -> Parsed:
+def _configuration_of(document: MuxDocument, path: str, within: str) -> Parsed:
     """Return the configuration of a mux file, with warnings, and notes of skipped contents.
 
     The output of a mux becomes a module, and each input a controller of that module, with its
     priority and its timeout as hold. Its locks are those of the module. All names get the prefix
     `within`.
-
-    Raises:
-        MarsError: the file is not YAML, or its muxes have errors (all of them are listed).
     """
-    if len(text) > MOST_BYTES:
-        message = f"the file has more than {MOST_BYTES} characters, which no mux needs"
-        help_text = "give the file with the parameters of the mux alone"
-        raise MarsError((Diagnostic("mux", "error", message, whole_file(path), help=help_text),))
-    document = read_document(text, path)
     names: dict[str, Name] = {}
     problems: list[Diagnostic] = []
     lines: list[Control | Lock] = []
