@@ -43,7 +43,7 @@ def sole_repairs(
 ) -> tuple[Repair, ...]:
     """Return the repairs of findings with exactly one repair, which need no choice.
 
-    If a search ended early, another repair could exist, so the finding is left out. A line of a
+    Repairs that rules leave undecided are left out. If a search ended early, another repair could exist, so the finding is left out. A line of a
     file that is included several times has one repair only if each instance has. Other arguments
     are those of `repairs`.
 
@@ -58,8 +58,13 @@ def sole_repairs(
         with_warnings=True,
         most_facts=most_facts,
     )
-    several = {_line_of(each) for each in found if len(each.mends) != 1 or not each.complete}
+    several = {_line_of(each) for each in found if not _needs_no_choice(each)}
     return tuple(repair for repair in found if _line_of(repair) not in several)
+
+
+def _needs_no_choice(repair: Repair) -> bool:
+    is_decided = not any(edit.is_undecided for mend in repair.mends for edit in mend.edits)
+    return len(repair.mends) == 1 and repair.complete and is_decided
 
 
 def _line_of(repair: Repair) -> tuple[str, tuple[Span, ...]]:

@@ -54,7 +54,8 @@ _EDIT = Signature("edit", 5)
 class RepairEdit:
     """One edit that a rule proposes; `weight` is the size of the change, from 1.
 
-    `parts` are its component edits, or the edit itself.
+    `parts` are its component edits, or the edit itself. One that `is_undecided` may be wrong even if
+    there is no other, so it is not applied without a user.
     """
 
     term: clingo.Symbol
@@ -62,6 +63,7 @@ class RepairEdit:
     message: str
     weight: int
     rule: Rule
+    is_undecided: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,13 +215,16 @@ def _proposals(
         whole, part = symbol.arguments
         parts.setdefault(whole, []).append(part)
     spoiling = {symbol.arguments[0] for symbol in grounding.symbols("spoils", 1)}
+    undecided = {tuple(symbol.arguments) for symbol in grounding.symbols("undecided", 2)}
     result = rendered_messages(grounding.control, _STAGE, speakers)
     for each in sorted(result, key=lambda s: (s.number, as_symbol(s.head), as_symbol(s.values))):
         *key, term, weight = as_symbol(each.head).arguments
         if term in spoiling:
             continue
         consists = tuple(parts.get(term, (term,)))
-        edit = RepairEdit(term, consists, each.message or str(term), weight.number, each.rule)
+        message = each.message or str(term)
+        is_undecided = (key[0], term) in undecided
+        edit = RepairEdit(term, consists, message, weight.number, each.rule, is_undecided)
         found.setdefault(tuple(key), {}).setdefault(term, edit)
     return {
         key: sorted(edits.values(), key=lambda edit: (edit.weight, edit.rule.span, edit.term))
