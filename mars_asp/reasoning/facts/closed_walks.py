@@ -1,6 +1,6 @@
 """Cycles of relationships as facts."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Set
 
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.model.cycles import Knot, knots
@@ -13,8 +13,17 @@ KNOTS = ("data", "control", "mount", "gate")
 _MOST_SPELT = 20
 
 
-def closed_walks(lines: Iterable[tuple[int, Relationship]], ends: Ends) -> Iterator[Fact]:
-    """Yield the facts of the cycles among numbered relationships of one kind."""
+#: Follows the name of a module whose commands are meant, which may also be that of its only output.
+_COMMANDS = "\n"
+
+
+def closed_walks(
+    lines: Iterable[tuple[int, Relationship]], ends: Ends, commanding: Set[str]
+) -> Iterator[Fact]:
+    """Yield the facts of the cycles among numbered relationships of one kind.
+
+    `commanding` are the modules that a gate line without a port means the commands of.
+    """
     data, control, mounts, gates = [], [], [], []
     spans = {}
     for number, relationship in lines:
@@ -26,23 +35,29 @@ def closed_walks(lines: Iterable[tuple[int, Relationship]], ends: Ends) -> Itera
                 control.append((controlled, controller, number))
             case Mount(mounting, mounted):
                 mounts.append((mounting, mounted, number))
-            case Gating(_, trigger, trigger_port=port):
-                taken = ends.taken(trigger, port), ends.gated(relationship)
-                gates.append((*taken, number))
+            case Gating(gated, trigger):
+                taken = ends.taken(trigger, relationship.trigger_port)
+                if relationship.trigger_port is None and trigger in commanding:
+                    taken += _COMMANDS
+                closed = ends.gated(relationship)
+                if relationship.port is None and gated in commanding:
+                    closed += _COMMANDS
+                gates.append((taken, closed, number))
     for kind, edges in zip(KNOTS, (data, control, mounts, gates), strict=True):
         for index, knot in enumerate(knots(edges)):
             of = Atom(kind), index
             for step, (start, end, number) in enumerate(knot.walk):
-                yield Fact(Atom("closed_walk", (*of, step, start, end, number)), spans[number])
+                ends_of_step = start.removesuffix(_COMMANDS), end.removesuffix(_COMMANDS)
+                yield Fact(Atom("closed_walk", (*of, step, *ends_of_step, number)), spans[number])
             span = spans[knot.walk[0][2]]
-            for name in knot.nodes:
+            for name in dict.fromkeys(node.removesuffix(_COMMANDS) for node in knot.nodes):
                 yield Fact(Atom("entangled", (*of, name)), span)
             yield Fact(Atom("spelt", (*of, _spelt(kind, knot))), span)
 
 
 def _spelt(kind: str, knot: Knot) -> str:
     """Return a cycle as `A -> B -> A`, from the controller on if `kind` is `control`."""
-    first, *others = (start for start, _, _ in knot.walk)
+    first, *others = (start.removesuffix(_COMMANDS) for start, _, _ in knot.walk)
     if kind == "control":
         others.reverse()
     if len(others) > _MOST_SPELT:

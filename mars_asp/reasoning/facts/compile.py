@@ -171,7 +171,12 @@ class Compiler:
             self.facts += rounded_rates(self.configuration, ends, ends.services(described), rates)
             self.resemblances()
             self.truths()
-            self.facts += closed_walks(lines, ends)
+            commanding = {
+                name
+                for name, module in described.items()
+                if any(service.kind == "ControlOut" for service in module.services)
+            }
+            self.facts += closed_walks(lines, ends, commanding)
         return self.facts
 
     def heading(self) -> None:

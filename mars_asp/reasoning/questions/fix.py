@@ -43,9 +43,9 @@ def sole_repairs(
 ) -> tuple[Repair, ...]:
     """Return the repairs of findings with exactly one repair, which need no choice.
 
-    Repairs that rules leave undecided are left out. If a search ended early, another repair could exist, so the finding is left out. A line of a
-    file that is included several times has one repair only if each instance has. Other arguments
-    are those of `repairs`.
+    Repairs that rules leave undecided are left out. If a search ended early, another repair could
+    exist, so the finding is left out. A line of a file that is included several times has one
+    repair only if each instance has. Other arguments are those of `repairs`.
 
     Raises:
         MarsError: rules that clingo refuses.

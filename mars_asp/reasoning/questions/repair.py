@@ -54,8 +54,8 @@ _EDIT = Signature("edit", 5)
 class RepairEdit:
     """One edit that a rule proposes; `weight` is the size of the change, from 1.
 
-    `parts` are its component edits, or the edit itself. One that `is_undecided` may be wrong even if
-    there is no other, so it is not applied without a user.
+    `parts` are its component edits, or the edit itself. One that `is_undecided` may be wrong even
+    if there is no other, so it is not applied without a user.
     """
 
     term: clingo.Symbol
@@ -215,7 +215,7 @@ def _proposals(
         whole, part = symbol.arguments
         parts.setdefault(whole, []).append(part)
     spoiling = {symbol.arguments[0] for symbol in grounding.symbols("spoils", 1)}
-    undecided = {tuple(symbol.arguments) for symbol in grounding.symbols("undecided", 2)}
+    undecided = {tuple(symbol.arguments) for symbol in grounding.symbols("needs_choice", 2)}
     result = rendered_messages(grounding.control, _STAGE, speakers)
     for each in sorted(result, key=lambda s: (s.number, as_symbol(s.head), as_symbol(s.values))):
         *key, term, weight = as_symbol(each.head).arguments

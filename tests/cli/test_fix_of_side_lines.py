@@ -1,0 +1,53 @@
+"""`check --fix` drops no gate, lock or reset line: whether it is meant is for the user to decide."""
+
+from pathlib import Path
+
+from mars_asp.cli import run_here
+from tests.support.fixtures import Captured
+
+BLOCKS = """
+@module_start
+@module_name Wheel
+@Rotn_Y
+void wheel();
+@module_end
+
+@module_start
+@module_name Go
+@ControlOut Rotn_Y
+Command go();
+@module_end
+
+@module_start
+@module_name Stop
+@DataOut NotifyWhenReady
+Bool stop(Num x);
+@module_end
+
+@module_start
+@module_name Map
+@Sense NotifyAtFrequency 1000
+Num map();
+@module_end
+"""
+
+
+def test_a_lock_that_is_not_fed_and_a_gate_without_effect_stay(
+    tmp_path: Path, capsys: Captured
+) -> None:
+    file = tmp_path / "a.mars"
+    lines = [
+        "@configuration hierarchical",
+        "@modules Wheel, Go, Stop, Map",
+        "Wheel is_controlled_by Go",
+        "Wheel is_locked_by Stop hold 100",
+        "Map is_inhibited_by Map 1",
+        "Wheel is_reset_by Map",
+    ]
+    file.write_text("\n".join(lines) + "\n" + BLOCKS, encoding="utf-8")
+    assert run_here(["check", "--fix", str(file)]) == 1
+    kept = file.read_text(encoding="utf-8").splitlines()
+    assert [line for line in lines if line not in kept] == []
+    capsys.readouterr()
+    assert run_here(["explain", str(file), "--repair", "lock_unfed"]) == 0
+    assert "let `Stop` no longer bound `Wheel`" in capsys.readouterr().out
