@@ -202,8 +202,11 @@ class Plan:
         return tuple(slots)
 
     def left_open(self, link: Link) -> Sequence[str]:
-        """Return the inputs that an ambiguous link may mean; () for other links."""
-        known = self._declared_inputs(link.client)
+        """Return the inputs that an ambiguous link may mean; () for other links.
+
+        A reset ends in a module, not in an input.
+        """
+        known = () if link.kind == "reset" else self._declared_inputs(link.client)
         return known if link.client_port is None and len(known) > 1 else ()
 
     def _declared_inputs(self, name: str) -> Sequence[str]:
