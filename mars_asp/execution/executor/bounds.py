@@ -11,10 +11,18 @@ _Value = TypeVar("_Value")
 
 
 def is_true(value: object) -> bool:
-    """Whether a message is a truth: anything but false, 0 and nothing."""
-    if value is None or value == {}:
+    """Whether a message is a truth: anything but false, 0 of any type of numbers, and None.
+
+    An empty text or container is a truth.
+    """
+    if value is None:
         return False
-    return not (isinstance(value, int | float) and value == 0)
+    try:
+        is_zero = value == 0
+        # The comparison of an array has no single result.
+        return getattr(is_zero, "shape", ()) != () or not is_zero
+    except Exception:  # the class of a user's message may be wrong in any way
+        return True
 
 
 class History(Generic[_Value]):

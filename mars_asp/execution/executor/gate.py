@@ -46,7 +46,9 @@ class Trigger:
         self.until = now + self.link.time
 
     def _is_boolean(self, value: object) -> bool:
-        return isinstance(value, bool) if self.boolean is None else self.boolean
+        # numpy's is `bool_` or `bool`.
+        is_bool = type(value).__name__ in ("bool", "bool_")
+        return is_bool if self.boolean is None else self.boolean
 
 
 class Gate:
