@@ -263,11 +263,12 @@ class Effector:
             self.schedule.at(due, self.schedule.effectors, lambda: self.expire(message))
 
     def withdraw(self, link: Link) -> None:
-        """Send a stop over a link if its last command is in force."""
+        """Deliver a stop of a link if its last command is in force."""
         now = self.schedule.now
         if self.message is not None and self.message.value and self.through is link:
             if self.due > now:
-                link.send(Message({}, now, "", until=now))
+                # The link has delayed the withdrawal already.
+                link.deliver(Message({}, now, "", until=now))
 
     def apply(self, message: Message, link: Link | None) -> None:
         """Carry out a command, unless a later one of the same instant replaced it."""
