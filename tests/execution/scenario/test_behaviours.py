@@ -154,7 +154,7 @@ def test_parts_of_a_module_share_its_object(tmp_path: Path) -> None:
     assert rates(made, "P")[-1] == -30
 
 
-COUNT = """
+COUNTED = """
 @module_start
 @module_name Count
 @Sense NotifyWhenReady
@@ -173,7 +173,7 @@ def test_parts_with_a_completion_are_bound_by_the_name_of_the_module(tmp_path: P
         "def go(count, full):\n    return 'Trans_Z', 10 * count + full\n"
     )
     lines = "C.count uses_data_from Count.count\nC.full uses_data_from Count.full\n"
-    robot = f"@specification\n@modules P, C, Count\n{lines}P is_controlled_by C\n{COUNT}"
+    robot = f"@specification\n@modules P, C, Count\n{lines}P is_controlled_by C\n{COUNTED}"
     text = f"{bound(Count='b.py:Count')}[bindings.C]\npython = 'b.py:go'\n"
     # Readings at 0, 100 and 200 ms; the first completion is at 100 ms.
     made = trial(f"duration = 0.25\n{text.partition(chr(10))[2]}", robot, tmp_path)
