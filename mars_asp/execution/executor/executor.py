@@ -34,10 +34,17 @@ from mars_asp.execution.executor.nodes import (
     InheritanceNode,
 )
 from mars_asp.execution.executor.plan import Plan
-from mars_asp.execution.executor.schedule import DATA, MILLISECOND, SECOND, Schedule
+from mars_asp.execution.executor.schedule import (
+    DATA,
+    MILLISECOND,
+    SECOND,
+    EndlessInstantError,
+    Schedule,
+)
 from mars_asp.model.cycles import knots
 from mars_asp.model.declarations import Configuration, Module
 from mars_asp.model.names import end
+from mars_asp.output import listing
 
 DEFAULT_PERIOD = 100 * MILLISECOND
 
@@ -70,6 +77,7 @@ class Executor:
         clocks = self._data_ranks()
         self._ranks = {key: DATA + 1 + k for k, key in enumerate(clocks)}
         self.schedule = Schedule(len(clocks), max(depth, 1))
+        self.schedule.most_events += 100 * len(self.plan.links)
         self.arbiters: dict[str, FlatArbitration | HierarchicalArbitration] = {}
         self.effectors: dict[str, Effector] = {}
         self.elements: dict[str, Any] = {}
@@ -117,8 +125,15 @@ class Executor:
         return {name: runs for name, runs in counts if runs is not None}
 
     def step_until(self, time: int) -> None:
-        """Run all events up to and including `time` (ns)."""
-        self.schedule.step_until(time)
+        """Run all events up to and including `time` (ns).
+
+        Raises:
+            MarsError: messages go round without end within one instant.
+        """
+        try:
+            self.schedule.step_until(time)
+        except EndlessInstantError:
+            raise MarsError([_endless(self.plan, self.schedule.now)]) from None
 
     def finish(self) -> None:
         """Count the messages that the end of the run leaves unused."""
@@ -493,6 +508,24 @@ def _circles(plan: Plan) -> Iterator[Diagnostic]:
         labels = tuple((link.span, "through this line") for link in others)
         help_text = "let a module be between them, or delete a line of the circle"
         yield Diagnostic("circle", "error", message, first.span, labels, help_text)
+
+
+def _endless(plan: Plan, now: int) -> Diagnostic:
+    """Return the error for messages that go round without end in the instant `now` (ns)."""
+    inner = [link for links in plan.inner.values() for link in links]
+    busy = [k for k in plan.links if len(k.latest) == k.latest.maxlen and k.latest[0] == now]
+    links = [*busy, *inner]
+    edges = ((link.source, link.client, number) for number, link in enumerate(links))
+    walk = [links[edge[2]] for knot in knots(edges)[:1] for edge in knot.walk]
+    lines = [link for link in walk if link in busy]
+    names = listing([f"`{k.source}`" for k in walk if not plan.is_node(k.source)])
+    message = (
+        f"the messages of {names or 'the run'} never end within the instant {now / SECOND:g} s"
+    )
+    labels = tuple((link.span, "through this line") for link in lines[1:])
+    span = lines[0].span if lines else plan.configuration.span
+    help_text = "give a module or a link of the circle a `delay` in the scenario"
+    return Diagnostic("endless", "error", message, span, labels, help_text)
 
 
 def _no_value(plan: Plan, link: Link) -> Diagnostic:
