@@ -463,7 +463,8 @@ class Executor:
         if isinstance(element, Gate):
             late = link.stream == "control" and self.plan.stream(link.client) == "data"
             boolean, in_circle = self.plan.is_boolean(link), self.plan.in_circle(link)
-            return element.trigger(Trigger(link, boolean, late, in_circle))
+            returns = self.plan.returns(link)
+            return element.trigger(Trigger(link, boolean, late, in_circle, returns))
         if isinstance(element, FlatArbitration | HierarchicalArbitration):
             return element.bounds.input(link)
         return lambda message: None
@@ -517,7 +518,9 @@ def _endless(plan: Plan, now: int) -> Diagnostic:
     links = [*busy, *inner]
     edges = ((link.source, link.client, number) for number, link in enumerate(links))
     walk = [links[edge[2]] for knot in knots(edges)[:1] for edge in knot.walk]
-    lines = [link for link in walk if link in busy]
+    lines = [
+        k for k in walk if k in busy and not (plan.is_node(k.source) and plan.is_node(k.client))
+    ]
     names = listing([f"`{k.source}`" for k in walk if not plan.is_node(k.source)])
     message = (
         f"the messages of {names or 'the run'} never end within the instant {now / SECOND:g} s"

@@ -271,6 +271,14 @@ class Plan:
         """Whether the messages of a link can come back to its source."""
         return self.circles[link.source] == self.circles[link.client]
 
+    def returns(self, link: Link) -> bool:
+        """Whether messages that pass a Gate reach its trigger `link` through nodes alone."""
+        sources = [link.source]
+        for name in sources:  # the loop appends to it
+            if self.is_node(name):
+                sources += {each.source for each in self._reaching(name)} - {*sources}
+        return link.client in sources
+
     def is_gated(self, name: str) -> bool:
         """Whether a node forwards the messages of a Gate, through nodes only."""
         return any(self.kind(each) == "gate_node" for each in self._upstream(name))
