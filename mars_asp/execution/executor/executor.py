@@ -12,7 +12,6 @@ from mars_asp.execution.executor.channel import Channel, Draws, LinkFault
 from mars_asp.execution.executor.delivery import (
     AT_FREQUENCY,
     ON_REQUEST,
-    Condition,
     Offer,
     lacks_value,
     open_link,
@@ -33,7 +32,7 @@ from mars_asp.execution.executor.nodes import (
     DataTransformer,
     InheritanceNode,
 )
-from mars_asp.execution.executor.plan import Plan
+from mars_asp.execution.executor.plan import FORWARDING, Plan
 from mars_asp.execution.executor.schedule import (
     DATA,
     MILLISECOND,
@@ -422,13 +421,10 @@ class Executor:
             self._renew(name)
 
     def _renew(self, name: str) -> None:
-        """Restart the conditional modes of the outputs of a module, also after splitters."""
-        for offer in getattr(self.elements[name], "offers", ()):
-            condition = getattr(offer, "__self__", None)
-            if isinstance(condition, Condition):
-                condition.renew()
+        """Restart the conditional modes of the outputs of a module, also after nodes."""
         for link in self.plan.data_out[name]:
-            if self.plan.kind(link.client) in ("data_splitter", "data_transformer"):
+            link.renew()
+            if link.kind == "data" and self.plan.kind(link.client) in FORWARDING:
                 self._renew(link.client)
 
     def _offer(self, name: str, link: Link) -> Offer:

@@ -38,7 +38,7 @@ ENDLESS = 2**62
 #: The kinds of modules and nodes that send commands; a Gate sends what its line carries.
 _COMMANDING = ("control_out", "arbitration_node", "control_splitter", "inheritance_node")
 #: The kinds of nodes that forward data in the mode of their input.
-_FORWARDING = ("data_splitter", "data_transformer", "gate_node")
+FORWARDING = ("data_splitter", "data_transformer", "gate_node")
 
 
 class Slot(NamedTuple):
@@ -289,7 +289,7 @@ class Plan:
         while name not in seen:
             yield name
             seen.add(name)
-            if self.kind(name) not in _FORWARDING or not self.data_in[name]:
+            if self.kind(name) not in FORWARDING or not self.data_in[name]:
                 return
             name = self.data_in[name][0].source
 
@@ -434,7 +434,7 @@ class Plan:
         mode, hz = link.mode, link.hz
         if mode is None or (mode.name == AT_FREQUENCY and hz is None):
             fed, rate = made
-            is_node = self.kind(link.source) in _FORWARDING
+            is_node = self.kind(link.source) in FORWARDING
             mode = mode or (fed if is_node else self.offered(link.source)[0])
             hz = rate if mode.name == AT_FREQUENCY else None
         return mode, hz
@@ -444,13 +444,13 @@ class Plan:
         names = list(self._upstream(name))
         made = self._made(names[-1])
         for node in reversed(names):
-            if self.kind(node) in _FORWARDING and self.data_in[node]:
+            if self.kind(node) in FORWARDING and self.data_in[node]:
                 made = self._carried(self.data_in[node][0], made)
         return made
 
     def _made(self, name: str) -> tuple[Mode, Fraction | None]:
         """Return the mode and rate of the messages of a module; of a node, those without input."""
-        if self.kind(name) in _FORWARDING:
+        if self.kind(name) in FORWARDING:
             return Mode(WHEN_READY), None
         mode, hz = self.offered(name)
         if mode.name not in (AT_FREQUENCY, ON_REQUEST):
