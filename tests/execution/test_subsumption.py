@@ -81,3 +81,23 @@ def test_a_suppressor_that_answers_itself_without_end_ends_the_run() -> None:
         MarsError, match="the messages of `Answer` never end within the instant 0 s"
     ):
         streamed(FEEDBACK, {"Map": {"0": 3}}, 0.1, {"Answer": lambda x: x + 1})
+
+
+def test_a_false_is_recorded_as_the_end_of_what_it_ends() -> None:
+    lines = "Gate1 uses_data_from Map\nGate1 is_inhibited_by Quiet 100\nView uses_data_from Gate1"
+    text = f"@specification\n@modules Map, Quiet, View, Gate1\n{lines}\n"
+    truths = iter([False, True, False, False])
+    behaviours = {name: Behaviour(lambda *_: None) for name in ("Map", "View")}
+    behaviours["Quiet"] = Behaviour(lambda: next(truths, None), 50 * MILLISECOND)
+    events: list[object] = []
+
+    def observe(now: int, kind: str, where: str, value: object) -> None:
+        if kind == "gate":
+            events.append([now // MILLISECOND, value])
+
+    configuration = parse_text(text, "case.mars").configuration
+    Executor(configuration, {}, behaviours, observe=observe).step_until(500 * MILLISECOND)
+    assert events == [
+        [50, ["closed", "Quiet", 150 * MILLISECOND]],
+        [100, ["opened", "Quiet", 100 * MILLISECOND]],
+    ]

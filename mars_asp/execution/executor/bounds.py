@@ -2,6 +2,7 @@
 
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Mapping
+from math import inf
 from typing import Any, Generic, TypeVar
 
 from mars_asp.execution.executor.link import Link, Message
@@ -114,15 +115,18 @@ class Bounds:
     def scaled(self, command: dict[str, float]) -> dict[str, float]:
         """Return a command with all rates multiplied by the factor of the limits."""
         now, factor = self.schedule.now, 1.0
+        least: dict[str, float] = {}
         for limit in self.limits:
             if limit.silent(now):
                 factor = 0.0
                 continue
-            bounds = limit.at(now) or {}
-            for function, rate in command.items():
-                if function in bounds and abs(rate) > bounds[function]:
-                    factor = min(factor, bounds[function] / abs(rate))
+            for function, bound in (limit.at(now) or {}).items():
+                least[function] = min(bound, least.get(function, bound))
+        for function, rate in command.items():
+            if function in least and abs(rate) > least[function]:
+                factor = min(factor, least[function] / abs(rate))
         if factor == 1.0:
             return command
-        # Without the addition, a negative rate would become -0.0.
-        return {function: rate * factor + 0.0 for function, rate in command.items()}
+        # A product may be rounded to more than the bound.
+        sizes = {f: min(abs(rate) * factor, least.get(f, inf)) for f, rate in command.items()}
+        return {f: -sizes[f] if rate < 0 < sizes[f] else sizes[f] for f, rate in command.items()}

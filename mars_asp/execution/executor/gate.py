@@ -108,7 +108,8 @@ class Gate:
         before = trigger.until
         trigger.hear(message, now)
         if self.observe is not None and (trigger.until > now or before > now):
-            self.observe(now, "gate", self.name, ["closed", link.source, trigger.until])
+            event = "closed" if trigger.until > now else "opened"
+            self.observe(now, "gate", self.name, [event, link.source, trigger.until])
         if link.kind == "suppress":
             trigger.waiting.append(message)
         elif trigger.until > now:
