@@ -1,6 +1,6 @@
 """The commands of controllers to effectors: functions with rates."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from math import isfinite
 from typing import Literal, TypeAlias
@@ -14,6 +14,7 @@ FunctionName: TypeAlias = Literal[
     "Rotn_X", "Rotn_Y", "Rotn_Z", "Trans_X", "Trans_Y", "Trans_Z", "Grasp"
 ]
 _FUNCTIONS = (*MOTION_FUNCTIONS, GRASP)
+_COMBINED = "a `Command(function, rate)` or a mapping of functions to rates"
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,19 +46,20 @@ class Command:
 def commanded(result: object, listed: Collection[str]) -> dict[str, float]:
     """Return the result of a controller as a rate for each function that it names.
 
-    A controller whose annotation has several functions, `listed`, may name several of them.
+    A controller whose annotation lists functions, `listed`, may name these alone. If it lists
+    several, it may return a mapping with several of them.
 
     Raises:
         ValueError, TypeError: the result names functions that are not listed, or is not a command.
     """
     if len(listed) < 2:
-        command = command_of(result)
-        return {command.function: command.rate}
-    if not isinstance(result, dict) or not result:
-        result = dict([_pair(command_of(result))])
-    pairs = [_pair(command_of(pair)) for pair in result.items()]
+        pairs = [_pair(command_of(result))]
+    elif isinstance(result, Mapping) and result:
+        pairs = [_pair(command_of(pair)) for pair in result.items()]
+    else:
+        pairs = [_pair(command_of(result, _COMBINED))]
     for function, _ in pairs:
-        if function not in listed:
+        if listed and function not in listed:
             names = ", ".join(f"`{name}`" for name in listed)
             raise ValueError(f"`{function}` is not in the annotation, which lists {names}")
     return dict(pairs)
@@ -67,18 +69,18 @@ def _pair(command: Command) -> tuple[str, float]:
     return command.function, command.rate
 
 
-def command_of(result: object) -> Command:
+def command_of(result: object, expected: str = "one `Command(function, rate)`") -> Command:
     """Return the result of a controller as a command.
 
-    A result may also be a pair (function, rate), or a dict with one entry.
+    A result may also be a pair (function, rate), or a mapping with one entry. `expected` is the
+    text of messages about other results.
 
     Raises:
         ValueError, TypeError: the result names several functions, or is not a command.
     """
     if isinstance(result, Command):
         return result
-    pairs = list(result.items()) if isinstance(result, dict) else [result]
+    pairs = list(result.items()) if isinstance(result, Mapping) else [result]
     if len(pairs) != 1 or not isinstance(pairs[0], tuple) or len(pairs[0]) != 2:
-        text = "a controller returns one `Command(function, rate)`, or None"
-        raise ValueError(f"{text}, not {shown(result)}")
+        raise ValueError(f"a controller returns {expected}, or None, not {shown(result)}")
     return Command(*pairs[0])

@@ -113,18 +113,27 @@ def reasons(trial: Trial, *, losses: bool) -> Iterator[Fact]:
 
 
 def _losses(gate: Gate, trigger: Trigger, number: int, client: str) -> Iterator[Fact]:
-    """Yield the messages that a trigger kept back, for each period in which it kept closing."""
+    """Yield the messages that a trigger kept back, for each period in which it kept closing.
+
+    The trigger's messages are those from the first to the last one that kept back a message.
+    """
     times = [time for time, _, _ in trigger.heard]
-    lost: dict[int, list[int]] = {}
+    lost: dict[int, list[tuple[int, int]]] = {}
     for at, closer, _ in gate.verdicts:
         if closer is trigger:
-            last = bisect_right(times, at) - 1
-            while last and times[last] - times[last - 1] < trigger.link.time:
-                last -= 1
-            lost.setdefault(times[last], []).append(at)
-    for since, dropped in lost.items():
-        ends = _milliseconds(dropped[0]), _milliseconds(dropped[-1])
-        yield _seen("kept_from", number, client, _milliseconds(since), len(dropped), *ends)
+            own = first = (bisect_left if trigger.late else bisect_right)(times, at) - 1
+            while (
+                first
+                and trigger.heard[first - 1][1]
+                and times[first] - times[first - 1] < trigger.link.time
+            ):
+                first -= 1
+            lost.setdefault(first, []).append((times[own], at))
+    for dropped in lost.values():
+        (since, first_at), (until, last_at) = dropped[0], dropped[-1]
+        ends = (_milliseconds(time) for time in (first_at, last_at))
+        spoke = _milliseconds(since), _milliseconds(until)
+        yield _seen("kept_from", number, client, *spoke, len(dropped), *ends)
 
 
 def _stops(

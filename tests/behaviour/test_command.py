@@ -1,5 +1,7 @@
 """Commands: the valid ones, and the errors of others."""
 
+from collections import UserDict
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -55,11 +57,15 @@ def test_only_listed_functions_are_commanded_together() -> None:
     listed = ("Trans_Z", "Rotn_Y")
     assert commanded({"Trans_Z": 100, "Rotn_Y": 5}, listed) == {"Trans_Z": 100.0, "Rotn_Y": 5.0}
     assert commanded(("Rotn_Y", 5), listed) == {"Rotn_Y": 5.0}
-    assert commanded({"Rotn_X": 5}, ("Trans_Z",)) == {"Rotn_X": 5.0}
+    assert commanded(MappingProxyType({"Trans_Z": 1, "Rotn_Y": 5}), listed)["Rotn_Y"] == 5
+    assert commanded(UserDict(Trans_Z=1), ()) == commanded({"Trans_Z": 1}, ("Trans_Z",))
+    assert commanded({"Rotn_X": 5}, ()) == {"Rotn_X": 5.0}
+    with pytest.raises(ValueError, match="`Rotn_X` is not in the annotation, which lists `Trans_Z`"):
+        commanded({"Rotn_X": 5}, ("Trans_Z",))
+    with pytest.raises(ValueError, match="or a mapping of functions to rates, or None, not {}"):
+        commanded({}, listed)
     with pytest.raises(ValueError, match="`Rotn_X` is not in the annotation"):
         commanded({"Trans_Z": 1, "Rotn_X": 5}, listed)
     for one in (("Trans_Z",), ()):
         with pytest.raises(ValueError, match="one `Command"):
             commanded({"Trans_Z": 1, "Rotn_Y": 5}, one)
-    with pytest.raises(ValueError, match="one `Command"):
-        commanded({}, listed)

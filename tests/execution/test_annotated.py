@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from mars_asp.diagnostic import MarsError
 from mars_asp.execution.executor import Behaviour, Executor
 from mars_asp.execution.executor.schedule import MILLISECOND
 from mars_asp.execution.parts import in_parts
@@ -80,3 +81,53 @@ def test_unmatched_messages_are_counted_up_to_the_end() -> None:
     dropped = {link.source: dict(link.dropped) for link in executor.links if link.client == "Fuse"}
     # The camera's of 0 and 350; the lidar's of 405, and of 700 at the end.
     assert dropped == {"DataSplitter1": {"unmatched": 2}, "Lidar": {"unmatched": 2}}
+
+
+CIRCLES = {
+    "Bell resets Count, whose completion feeds Bell": (
+        "Bell uses_data_from Count.full\nCount is_reset_by Bell",
+        "the messages of `Bell`, `Count` and `Count.full` never end within the instant 0.1 s",
+    ),
+    "the completion of Count resets Count": (
+        "Count is_reset_by Count.full\nBell uses_data_from Tick",
+        "the messages of `Count` and `Count.full` never end within the instant 0.1 s",
+    ),
+    "Bell and Fuse feed each other": (
+        "Bell.f uses_data_from Tick\nBell.f uses_data_from Fuse\nFuse uses_data_from Bell",
+        "the messages of `Bell` and `Fuse` never end within the instant 0.1 s",
+    ),
+}
+BLOCKS = """
+@module_start
+@module_name Count
+@DataOut NotifyWhenReady
+Sum count(Num x);
+@Reset
+void restart();
+@Done
+Full full();
+@module_end
+
+@module_start
+@module_name Bell
+@DataOut NotifyWhenReady
+Ring bell(Full f);
+@module_end
+"""
+
+
+@pytest.mark.parametrize("circle", CIRCLES)
+def test_messages_that_go_round_in_one_instant_end_the_run(circle: str) -> None:
+    lines, message = CIRCLES[circle]
+    names = "Tick, Count, Bell, Seen, Fuse"
+    text = f"@specification\n@modules {names}\nSeen uses_data_from Count.count\n{lines}\n"
+    text += f"Count uses_data_from Tick\n{BLOCKS}"
+    configuration, modules = in_parts(parse_text(text, "case.mars").configuration, {})
+    ticks = iter([None, 1])
+    behaviours = {n.text: Behaviour(lambda *inputs: 1) for n in configuration.modules}
+    behaviours["Tick"] = Behaviour(lambda: next(ticks, None), 100 * MILLISECOND)
+    executor = Executor(configuration, modules, behaviours)
+    executor.step_until(99 * MILLISECOND)
+    with pytest.raises(MarsError) as raised:
+        executor.step_until(1000 * MILLISECOND)
+    assert [each.message for each in raised.value.diagnostics] == [message]

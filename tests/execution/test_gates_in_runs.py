@@ -47,7 +47,7 @@ def every(step, at):
     return Sends
 Map = every(50, lambda t: t)
 Over = every(50, lambda t: -1 if t in (150, 350) else None)
-Quiet = every(50, lambda t: 1 if t == 600 else None)
+Quiet = every(50, lambda t: 1 if t in (600, 700) else None)
 EStop = every(50, lambda t: False if t <= 900 else None)
 Go = every(100, lambda t: ("Trans_Z", 100))
 def view(x): pass
@@ -73,8 +73,10 @@ def test_a_gate_and_a_lock_are_judged_listed_recorded_and_explained(
         " 200 ms [run/gates/suppressor] r.mars:4",
         "`Base` stopped at 1.4 s: `EStop`, which locks below 200, had been silent for 0.5 s"
         " [run/gates/silent-below] r.mars:9",
-        "`View` did not get 3 of `Map` from 0.6 s to 0.7 s: `Quiet` spoke at 0.6 s and inhibits"
-        " `Map` for 150 ms [run/gates/inhibited] r.mars:5",
+        "`View` did not get 4 of `Map` from 0.35 s to 0.5 s: `Over` spoke at 0.35 s and suppresses"
+        " `Map` for 200 ms [run/gates/suppressed] r.mars:4",
+        "`View` did not get 5 of `Map` from 0.6 s to 0.8 s: `Quiet` spoke from 0.6 s to 0.7 s, and"
+        " each time inhibits `Map` for 150 ms [run/gates/inhibited-repeatedly] r.mars:5",
     ):
         assert line in output
     events = [json.loads(line) for line in Path("r.jsonl").read_text().splitlines()]
@@ -83,9 +85,10 @@ def test_a_gate_and_a_lock_are_judged_listed_recorded_and_explained(
         (150_000_000, "Gate1", ["closed", "Over", 350_000_000]),
         (350_000_000, "Gate1", ["closed", "Over", 550_000_000]),
         (600_000_000, "Gate1", ["closed", "Quiet", 750_000_000]),
+        (700_000_000, "Gate1", ["closed", "Quiet", 850_000_000]),
     ]
     kinds = {e["where"]: e["event"] for e in events if " -> " in e["where"]}
     assert run_here([*command, "--format", "json"]) == 0
     links = json.loads(capsys.readouterr().out)["links"]
     assert {f"{link['source']} -> {link['client']}": link["kind"] for link in links} == kinds
-    assert links[0]["dropped"] == {"suppressed": 8, "inhibited": 3}
+    assert links[0]["dropped"] == {"suppressed": 8, "inhibited": 5}

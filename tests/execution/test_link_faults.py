@@ -114,6 +114,28 @@ def test_commands_and_the_end_of_their_hold_are_delayed_alike() -> None:
     assert commanded(lost)[-1] == (300, 0)
 
 
+def withdrawn(*faults: LinkFault) -> list[tuple[float, Any]]:
+    """Return the changes of W, whose command of 100 ms an inhibition withdraws at 200 ms."""
+    text = "W is_controlled_by Gate1\nGate1 is_controlled_by C\nGate1 is_inhibited_by S 50"
+    inbox = Inbox()
+    commands, readings = iter([None, {"Trans_Z": 1.0}]), iter([None, None, 1])
+    behaviours = {
+        "C": Behaviour(lambda: next(commands, None), 100 * MILLISECOND),
+        "S": Behaviour(lambda: next(readings, None), 100 * MILLISECOND),
+        "W": inbox,
+    }
+    modules = [control_out("C", "Trans_Z"), effector("W", "Trans_Z"), sensor("S")]
+    executed(text, modules, behaviours, 1, faults=faults)
+    return [(at, value.get("Trans_Z", 0)) for at, value in inbox.got]
+
+
+def test_a_withdrawal_is_late_and_lost_as_messages_are() -> None:
+    assert withdrawn() == [(100, 1), (200, 0)]
+    assert withdrawn(fault("Gate1 W", delay=50)) == [(150, 1), (250, 0)]
+    # The effector's timeout of 500 ms ends the command.
+    assert withdrawn(fault("Gate1 W", loss=1, since=0.2)) == [(100, 1), (600, 0)]
+
+
 ROBOT = """\
 @specification
 @modules P, S, A, B, DataSplitter1

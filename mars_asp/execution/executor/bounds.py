@@ -2,6 +2,7 @@
 
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Mapping
+from math import inf
 from typing import Any, Generic, TypeVar
 
 from mars_asp.execution.executor.link import Link, Message
@@ -11,10 +12,18 @@ _Value = TypeVar("_Value")
 
 
 def is_true(value: object) -> bool:
-    """Whether a message is a truth: anything but false, 0 and nothing."""
-    if value is None or value == {}:
+    """Whether a message is a truth: anything but false, 0 of any type of numbers, and None.
+
+    An empty text or container is a truth.
+    """
+    if value is None:
         return False
-    return not (isinstance(value, int | float) and value == 0)
+    try:
+        is_zero = value == 0
+        # The comparison of an array has no single result.
+        return getattr(is_zero, "shape", ()) != () or not is_zero
+    except Exception:  # the class of a user's message may be wrong in any way
+        return True
 
 
 class History(Generic[_Value]):
@@ -106,15 +115,18 @@ class Bounds:
     def scaled(self, command: dict[str, float]) -> dict[str, float]:
         """Return a command with all rates multiplied by the factor of the limits."""
         now, factor = self.schedule.now, 1.0
+        least: dict[str, float] = {}
         for limit in self.limits:
             if limit.silent(now):
                 factor = 0.0
                 continue
-            bounds = limit.at(now) or {}
-            for function, rate in command.items():
-                if function in bounds and abs(rate) > bounds[function]:
-                    factor = min(factor, bounds[function] / abs(rate))
+            for function, bound in (limit.at(now) or {}).items():
+                least[function] = min(bound, least.get(function, bound))
+        for function, rate in command.items():
+            if function in least and abs(rate) > least[function]:
+                factor = min(factor, least[function] / abs(rate))
         if factor == 1.0:
             return command
-        # Without the addition, a negative rate would become -0.0.
-        return {function: rate * factor + 0.0 for function, rate in command.items()}
+        # A product may be rounded to more than the bound.
+        sizes = {f: min(abs(rate) * factor, least.get(f, inf)) for f, rate in command.items()}
+        return {f: -sizes[f] if rate < 0 < sizes[f] else sizes[f] for f, rate in command.items()}

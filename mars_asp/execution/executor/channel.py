@@ -80,26 +80,30 @@ class Channel:
 
     def send(self, message: Message) -> None:
         """Lose a message, deliver it at once, or let it arrive later."""
-        now, fault = self.link.schedule.now, self._fault()
-        chance, share = self.draws.loss(), self.draws.jitter()
+        now = self.link.schedule.now
         self.sent += 1
         self.sendings.append(now)
-        if fault is not None and chance < fault.loss:
-            self.link.dropped["lost"] += 1
-            self.losses.append(now)
-            self.cancel()
-            return
-        late = 0 if fault is None else fault.delay + int(share * (fault.jitter + 1)) * MICROSECOND
-        self._later(late, lambda: self._deliver(message, now))
+        self._carry(lambda: self._deliver(message, now))
 
     def delay_withdrawal(self) -> None:
         """Let withdrawals of the link's commands, which its receiver has set up, be delayed too."""
         self.withdraw_now, self.link.withdrawn = self.link.withdrawn, self.withdraw
 
     def withdraw(self) -> None:
-        """Withdraw the last command after the same delay, never before it arrives."""
-        fault = self._fault()
-        self._later(0 if fault is None else fault.delay, self.withdraw_now)
+        """Withdraw the last command; this is lost and late as messages are."""
+        self._carry(self.withdraw_now)
+
+    def _carry(self, action: Callable[[], None]) -> None:
+        """Act when a message that is sent now arrives, unless it is lost."""
+        now, fault = self.link.schedule.now, self._fault()
+        chance, share = self.draws.loss(), self.draws.jitter()
+        if fault is not None and chance < fault.loss:
+            self.link.dropped["lost"] += 1
+            self.losses.append(now)
+            self.cancel()
+            return
+        late = 0 if fault is None else fault.delay + int(share * (fault.jitter + 1)) * MICROSECOND
+        self._later(late, action)
 
     def _fault(self) -> LinkFault | None:
         now = self.link.schedule.now

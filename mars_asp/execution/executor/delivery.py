@@ -22,6 +22,7 @@ class Condition:
 
     def __init__(self, link: Link, mode: Mode) -> None:
         self.link, self.mode, self.of = link, mode, mode.of
+        link.renew = self.renew
         self.renew()
 
     def renew(self) -> None:

@@ -12,7 +12,6 @@ from mars_asp.execution.executor.channel import Channel, Draws, LinkFault
 from mars_asp.execution.executor.delivery import (
     AT_FREQUENCY,
     ON_REQUEST,
-    Condition,
     Offer,
     lacks_value,
     open_link,
@@ -33,11 +32,18 @@ from mars_asp.execution.executor.nodes import (
     DataTransformer,
     InheritanceNode,
 )
-from mars_asp.execution.executor.plan import Plan
-from mars_asp.execution.executor.schedule import DATA, MILLISECOND, SECOND, Schedule
+from mars_asp.execution.executor.plan import FORWARDING, Plan
+from mars_asp.execution.executor.schedule import (
+    DATA,
+    MILLISECOND,
+    SECOND,
+    EndlessInstantError,
+    Schedule,
+)
 from mars_asp.model.cycles import knots
 from mars_asp.model.declarations import Configuration, Module
 from mars_asp.model.names import end
+from mars_asp.output import listing
 
 DEFAULT_PERIOD = 100 * MILLISECOND
 
@@ -70,6 +76,7 @@ class Executor:
         clocks = self._data_ranks()
         self._ranks = {key: DATA + 1 + k for k, key in enumerate(clocks)}
         self.schedule = Schedule(len(clocks), max(depth, 1))
+        self.schedule.most_events += 100 * len(self.plan.links)
         self.arbiters: dict[str, FlatArbitration | HierarchicalArbitration] = {}
         self.effectors: dict[str, Effector] = {}
         self.elements: dict[str, Any] = {}
@@ -117,8 +124,15 @@ class Executor:
         return {name: runs for name, runs in counts if runs is not None}
 
     def step_until(self, time: int) -> None:
-        """Run all events up to and including `time` (ns)."""
-        self.schedule.step_until(time)
+        """Run all events up to and including `time` (ns).
+
+        Raises:
+            MarsError: messages go round without end within one instant.
+        """
+        try:
+            self.schedule.step_until(time)
+        except EndlessInstantError:
+            raise MarsError([_endless(self.plan, self.schedule.now)]) from None
 
     def finish(self) -> None:
         """Count the messages that the end of the run leaves unused."""
@@ -407,13 +421,10 @@ class Executor:
             self._renew(name)
 
     def _renew(self, name: str) -> None:
-        """Restart the conditional modes of the outputs of a module, also after splitters."""
-        for offer in getattr(self.elements[name], "offers", ()):
-            condition = getattr(offer, "__self__", None)
-            if isinstance(condition, Condition):
-                condition.renew()
+        """Restart the conditional modes of the outputs of a module, also after nodes."""
         for link in self.plan.data_out[name]:
-            if self.plan.kind(link.client) in ("data_splitter", "data_transformer"):
+            link.renew()
+            if link.kind == "data" and self.plan.kind(link.client) in FORWARDING:
                 self._renew(link.client)
 
     def _offer(self, name: str, link: Link) -> Offer:
@@ -448,7 +459,8 @@ class Executor:
         if isinstance(element, Gate):
             late = link.stream == "control" and self.plan.stream(link.client) == "data"
             boolean, in_circle = self.plan.is_boolean(link), self.plan.in_circle(link)
-            return element.trigger(Trigger(link, boolean, late, in_circle))
+            returns = self.plan.returns(link)
+            return element.trigger(Trigger(link, boolean, late, in_circle, returns))
         if isinstance(element, FlatArbitration | HierarchicalArbitration):
             return element.bounds.input(link)
         return lambda message: None
@@ -493,6 +505,26 @@ def _circles(plan: Plan) -> Iterator[Diagnostic]:
         labels = tuple((link.span, "through this line") for link in others)
         help_text = "let a module be between them, or delete a line of the circle"
         yield Diagnostic("circle", "error", message, first.span, labels, help_text)
+
+
+def _endless(plan: Plan, now: int) -> Diagnostic:
+    """Return the error for messages that go round without end in the instant `now` (ns)."""
+    inner = [link for links in plan.inner.values() for link in links]
+    busy = [k for k in plan.links if len(k.latest) == k.latest.maxlen and k.latest[0] == now]
+    links = [*busy, *inner]
+    edges = ((link.source, link.client, number) for number, link in enumerate(links))
+    walk = [links[edge[2]] for knot in knots(edges)[:1] for edge in knot.walk]
+    lines = [
+        k for k in walk if k in busy and not (plan.is_node(k.source) and plan.is_node(k.client))
+    ]
+    names = listing([f"`{k.source}`" for k in walk if not plan.is_node(k.source)])
+    message = (
+        f"the messages of {names or 'the run'} never end within the instant {now / SECOND:g} s"
+    )
+    labels = tuple((link.span, "through this line") for link in lines[1:])
+    span = lines[0].span if lines else plan.configuration.span
+    help_text = "give a module or a link of the circle a `delay` in the scenario"
+    return Diagnostic("endless", "error", message, span, labels, help_text)
 
 
 def _no_value(plan: Plan, link: Link) -> Diagnostic:

@@ -18,15 +18,16 @@ class Trigger:
 
     `boolean` is whether its messages are truths, or None if unknown; a false one ends the closing.
     A `late` trigger closes from the next instant on. A trigger is `in_circle` if messages that pass
-    the Gate can reach it: the messages of the line do not wait for it. `heard` are the times of its
-    messages, with whether they close and when they were made; `passed` is the number of those that
-    passed.
+    the Gate can reach it: the messages of the line do not wait for it. It `returns` them if only
+    nodes are between. `heard` are the times of its messages, with whether they close and when they
+    were made; `passed` is the number of those that passed.
     """
 
     link: Link
     boolean: bool | None
     late: bool
     in_circle: bool
+    returns: bool
     since: int = 0
     until: int = 0
     waiting: list[Message] = field(default_factory=list)
@@ -46,7 +47,9 @@ class Trigger:
         self.until = now + self.link.time
 
     def _is_boolean(self, value: object) -> bool:
-        return isinstance(value, bool) if self.boolean is None else self.boolean
+        # numpy's is `bool_` or `bool`.
+        is_bool = type(value).__name__ in ("bool", "bool_")
+        return is_bool if self.boolean is None else self.boolean
 
 
 class Gate:
@@ -99,13 +102,14 @@ class Gate:
     def close(self, trigger: Trigger, message: Message) -> None:
         """Close the line from now on; the message of a suppressor passes."""
         now, link = self.schedule.now, trigger.link
-        if trigger.in_circle and self._came_round(trigger, message):
+        if trigger.returns and self._came_round(trigger, message):
             link.dropped["suppressed"] += 1
             return
         before = trigger.until
         trigger.hear(message, now)
         if self.observe is not None and (trigger.until > now or before > now):
-            self.observe(now, "gate", self.name, ["closed", link.source, trigger.until])
+            event = "closed" if trigger.until > now else "opened"
+            self.observe(now, "gate", self.name, [event, link.source, trigger.until])
         if link.kind == "suppress":
             trigger.waiting.append(message)
         elif trigger.until > now:
@@ -113,14 +117,10 @@ class Gate:
         self._wait()
 
     def _came_round(self, trigger: Trigger, message: Message) -> bool:
-        """Whether the message of a suppressor in circle passed in this instant, or answers one.
-
-        Such a message would pass for ever in one instant.
-        """
+        """Whether a suppressor's message passed in this instant: it would pass without end."""
         if self.now != self.schedule.now or trigger.link.kind != "suppress":
             return False
-        again = any(time == self.now for time, _, _ in trigger.heard[-1:])
-        return again or (message.origin, message.time) in self.passed
+        return (message.origin, message.time) in self.passed
 
     def _wait(self) -> None:
         if all(trigger.in_circle for trigger in self.triggers):

@@ -102,7 +102,8 @@ class Link:
     `failures` are exceptions of the link itself, for example of its condition. `declared` is
     the priority as written; `hold`, the `time` for which a trigger closes, and ages are in ns.
     `stream` is the stream that a link of another kind carries. `withdrawn` is called when the last
-    command of the link is withdrawn, `forget` when the answer to its request is lost.
+    command of the link is withdrawn, `forget` when the answer to its request is lost, `renew` when
+    a conditional mode starts anew.
     """
 
     kind: Stream | SideKind
@@ -124,6 +125,7 @@ class Link:
     request: Callable[[], None] | None = None
     forget: Callable[[], bool] = lambda: False
     withdrawn: Callable[[], None] = lambda: None
+    renew: Callable[[], None] = lambda: None
     delivered: int = 0
     #: The times (ns) of the last deliveries.
     latest: deque[int] = field(default_factory=lambda: deque(maxlen=8))

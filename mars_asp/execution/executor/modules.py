@@ -9,7 +9,7 @@ from mars_asp.behaviour.values import copied
 from mars_asp.execution.executor.behaviour import Behaviour
 from mars_asp.execution.executor.delivery import Offer
 from mars_asp.execution.executor.link import Failures, Link, Message, fail, message_of
-from mars_asp.execution.executor.schedule import MILLISECOND, SECOND, SENSORS, Schedule
+from mars_asp.execution.executor.schedule import DATA, MILLISECOND, SECOND, SENSORS, Schedule
 
 COMMAND_TIMEOUT = 500 * MILLISECOND
 
@@ -263,11 +263,12 @@ class Effector:
             self.schedule.at(due, self.schedule.effectors, lambda: self.expire(message))
 
     def withdraw(self, link: Link) -> None:
-        """Send a stop over a link if its last command is in force."""
+        """Deliver a stop of a link if its last command is in force."""
         now = self.schedule.now
         if self.message is not None and self.message.value and self.through is link:
             if self.due > now:
-                link.send(Message({}, now, "", until=now))
+                # The link has delayed the withdrawal already.
+                link.deliver(Message({}, now, "", until=now))
 
     def apply(self, message: Message, link: Link | None) -> None:
         """Carry out a command, unless a later one of the same instant replaced it."""
@@ -366,9 +367,14 @@ class Resetting:
         self.call = None if behaviour is None else behaviour.reset
         self.parts, self.renew, self.completion = parts, renew, completion
         self.failures, self.schedule = failures, schedule
+        self.resetting = False
 
     def receive(self, message: Message) -> None:
-        """Reset the module, then ask for its completion."""
+        """Reset the module, then ask for its completion; this may reset it again, afterwards."""
+        if self.resetting:
+            self.schedule.at(self.schedule.now, DATA, lambda: self.receive(message))
+            return
+        self.resetting = True
         try:
             if self.call is not None:
                 self.call(copied(message.value))
@@ -379,3 +385,4 @@ class Resetting:
         self.renew()
         if self.completion is not None:
             self.completion.ask()
+        self.resetting = False

@@ -1,6 +1,7 @@
 """Nodes that forward data and control: splitters, DataTransformers, InheritanceNodes."""
 
-from collections.abc import Mapping
+from collections import deque
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from mars_asp.behaviour.values import copied
@@ -46,20 +47,32 @@ class DataTransformer:
 
 
 class ControlSplitter:
-    """Forwards each command to every output."""
+    """Forwards each command to every output.
+
+    In a circle of Gates, a command that is forwarded can lead to another one, or to its withdrawal,
+    which waits until the command has left by every output.
+    """
 
     def __init__(self, outputs: list[Link]) -> None:
         self.outputs = outputs
+        self.waiting: deque[Callable[[Link], None]] = deque()
 
     def receive(self, message: Message) -> None:
         """Send a command to every output."""
-        for link in self.outputs:
-            link.send(message)
+        self._forward(lambda link: link.send(message))
 
     def withdraw(self) -> None:
         """Withdraw the last command from every output."""
-        for link in self.outputs:
-            link.withdrawn()
+        self._forward(lambda link: link.withdrawn())
+
+    def _forward(self, action: Callable[[Link], None]) -> None:
+        self.waiting.append(action)
+        if len(self.waiting) > 1:
+            return
+        while self.waiting:
+            for link in self.outputs:
+                self.waiting[0](link)
+            self.waiting.popleft()
 
 
 class InheritanceNode:

@@ -38,7 +38,7 @@ ENDLESS = 2**62
 #: The kinds of modules and nodes that send commands; a Gate sends what its line carries.
 _COMMANDING = ("control_out", "arbitration_node", "control_splitter", "inheritance_node")
 #: The kinds of nodes that forward data in the mode of their input.
-_FORWARDING = ("data_splitter", "data_transformer", "gate_node")
+FORWARDING = ("data_splitter", "data_transformer", "gate_node")
 
 
 class Slot(NamedTuple):
@@ -202,8 +202,11 @@ class Plan:
         return tuple(slots)
 
     def left_open(self, link: Link) -> Sequence[str]:
-        """Return the inputs that an ambiguous link may mean; () for other links."""
-        known = self._declared_inputs(link.client)
+        """Return the inputs that an ambiguous link may mean; () for other links.
+
+        A reset ends in a module, not in an input.
+        """
+        known = () if link.kind == "reset" else self._declared_inputs(link.client)
         return known if link.client_port is None and len(known) > 1 else ()
 
     def _declared_inputs(self, name: str) -> Sequence[str]:
@@ -268,6 +271,14 @@ class Plan:
         """Whether the messages of a link can come back to its source."""
         return self.circles[link.source] == self.circles[link.client]
 
+    def returns(self, link: Link) -> bool:
+        """Whether messages that pass a Gate reach its trigger `link` through nodes alone."""
+        sources = [link.source]
+        for name in sources:  # the loop appends to it
+            if self.is_node(name):
+                sources += {each.source for each in self._reaching(name)} - {*sources}
+        return link.client in sources
+
     def is_gated(self, name: str) -> bool:
         """Whether a node forwards the messages of a Gate, through nodes only."""
         return any(self.kind(each) == "gate_node" for each in self._upstream(name))
@@ -278,7 +289,7 @@ class Plan:
         while name not in seen:
             yield name
             seen.add(name)
-            if self.kind(name) not in _FORWARDING or not self.data_in[name]:
+            if self.kind(name) not in FORWARDING or not self.data_in[name]:
                 return
             name = self.data_in[name][0].source
 
@@ -423,7 +434,7 @@ class Plan:
         mode, hz = link.mode, link.hz
         if mode is None or (mode.name == AT_FREQUENCY and hz is None):
             fed, rate = made
-            is_node = self.kind(link.source) in _FORWARDING
+            is_node = self.kind(link.source) in FORWARDING
             mode = mode or (fed if is_node else self.offered(link.source)[0])
             hz = rate if mode.name == AT_FREQUENCY else None
         return mode, hz
@@ -433,13 +444,13 @@ class Plan:
         names = list(self._upstream(name))
         made = self._made(names[-1])
         for node in reversed(names):
-            if self.kind(node) in _FORWARDING and self.data_in[node]:
+            if self.kind(node) in FORWARDING and self.data_in[node]:
                 made = self._carried(self.data_in[node][0], made)
         return made
 
     def _made(self, name: str) -> tuple[Mode, Fraction | None]:
         """Return the mode and rate of the messages of a module; of a node, those without input."""
-        if self.kind(name) in _FORWARDING:
+        if self.kind(name) in FORWARDING:
             return Mode(WHEN_READY), None
         mode, hz = self.offered(name)
         if mode.name not in (AT_FREQUENCY, ON_REQUEST):

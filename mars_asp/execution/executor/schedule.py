@@ -10,6 +10,8 @@ SECOND = 1_000_000_000
 MILLISECOND = 1_000_000
 MICROSECOND = 1_000
 SENSORS, DATA = 0, 1
+#: More events than an instant of a small robot has, unless messages go round without end.
+MOST_EVENTS = 100_000
 Action: TypeAlias = Callable[[], object]
 
 
@@ -28,6 +30,10 @@ class Clock:
         self.actions: list[Action] = []
 
 
+class EndlessInstantError(Exception):
+    """An instant has more than the maximal number of events."""
+
+
 class Schedule:
     """Events by time, then by rank, then by sequence.
 
@@ -39,7 +45,7 @@ class Schedule:
 
     def __init__(self, clocks: int = 1, arbiters: int = 1) -> None:
         self.now = 0
-        self.events = 0
+        self.events, self.most_events = 0, MOST_EVENTS
         self.control = DATA + 1 + clocks
         self.effectors = self.control + 1 + arbiters
         self._queues: tuple[deque[Action], ...] = tuple(deque() for _ in range(self.effectors + 1))
@@ -98,8 +104,12 @@ class Schedule:
             self._queues[rank].append(due)
 
     def _settle(self) -> None:
-        """Run the events of the present instant by rank until none is left."""
-        rank = 0
+        """Run the events of the present instant by rank until none is left.
+
+        Raises:
+            EndlessInstantError: there are more than `most_events`.
+        """
+        rank, most = 0, self.events + self.most_events
         while rank < len(self._queues):
             queue = self._queues[rank]
             if not queue:
@@ -111,4 +121,6 @@ class Schedule:
                 for action in actions:
                     action()
                 self.events += len(actions)
+                if self.events > most:
+                    raise EndlessInstantError
             rank = 0

@@ -161,8 +161,9 @@ def _log_entry(event: Event) -> Entry:
         holder, why = value
         level, message = _INFO, f"{holder or 'no controller'} holds control: {why}"
     elif what == "gate":
-        _, trigger, until = value
-        level, message = _INFO, f"{trigger} closes it until {until / SECOND:g} s"
+        change, trigger, until = value
+        does = "closes it until" if change == "closed" else "opens it at"
+        level, message = _INFO, f"{trigger} {does} {until / SECOND:g} s"
     else:
         level, message = _WARNING, f"a message was dropped: {value}"
     log = {

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from mars_asp.diagnostic import Diagnostic, Severity
 from mars_asp.execution.executor.plan import Plan
-from mars_asp.execution.scenario.functions import bound_functions, converting
+from mars_asp.execution.scenario.functions import binding_of, bound_functions, converting
 from mars_asp.execution.scenario.link_faults import absent_links
 from mars_asp.execution.scenario.read import Scenario, ScenarioRobot
 from mars_asp.execution.scenario.vary import CHANGED
@@ -35,8 +35,9 @@ def disagreements(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
             yield Diagnostic("scenario", "error", wrong[0], place, (), wrong[1])
     bound = {*modules, *converting(plan)}
     for name, declared in scenario.bindings.items():
-        has_parts = any(each.startswith(f"{name}.") for each in modules)
-        if name not in bound and not (has_parts and "python" not in declared):
+        parts = [each for each in modules if each.startswith(f"{name}.")]
+        used = [binding_of(each, plan.modules, scenario) for each in parts]
+        if name not in bound and not (parts and "python" not in declared) and declared not in used:
             yield _unknown_name("bindings", name, modules, left, scenario)
     yield from _faults(plan, scenario)
     yield from absent_links(plan, scenario)

@@ -54,7 +54,7 @@ class Functions:
 
         `given` are the inputs of a function for resets.
         """
-        declared = _binding(name, self.plan.modules, self.scenario)
+        declared = binding_of(name, self.plan.modules, self.scenario)
         shown = f"{normpath(path)}:{called}"
         try:
             folder = self._folder(path, name)
@@ -301,12 +301,12 @@ def bound_functions(
     converters = [m.name for m in modules.values() if any(s.kind == "Converts" for s in m.services)]
     for name in dict.fromkeys([*names, *converters, *scenario.bindings]):
         module = modules.get(name)
-        place = _bound_location(_binding(name, modules, scenario), module, scenario)
+        place = _bound_location(binding_of(name, modules, scenario), module, scenario)
         if name not in scenario.devices and place is not None:
             yield name, place
 
 
-def _binding(name: str, modules: Mapping[str, Module], scenario: Scenario) -> Mapping[str, Any]:
+def binding_of(name: str, modules: Mapping[str, Module], scenario: Scenario) -> Mapping[str, Any]:
     """Return the binding of a module; parts of one with `@Done` have that of the module."""
     own, owner = scenario.bindings.get(name, {}), modules.get(name.rpartition(".")[0])
     if "python" in own or owner is None or name not in modules:

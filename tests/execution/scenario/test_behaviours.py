@@ -154,6 +154,32 @@ def test_parts_of_a_module_share_its_object(tmp_path: Path) -> None:
     assert rates(made, "P")[-1] == -30
 
 
+COUNTED = """
+@module_start
+@module_name Count
+@Sense NotifyWhenReady
+Num count();
+@Done
+Full full();
+@module_end
+"""
+
+
+def test_parts_with_a_completion_are_bound_by_the_name_of_the_module(tmp_path: Path) -> None:
+    (tmp_path / "b.py").write_text(
+        "class Count:\n    total = 0\n"
+        "    def count(self):\n        self.total += 1\n        return self.total\n"
+        "    def full(self):\n        return self.total if self.total % 2 == 0 else None\n"
+        "def go(count, full):\n    return 'Trans_Z', 10 * count + full\n"
+    )
+    lines = "C.count uses_data_from Count.count\nC.full uses_data_from Count.full\n"
+    robot = f"@specification\n@modules P, C, Count\n{lines}P is_controlled_by C\n{COUNTED}"
+    text = f"{bound(Count='b.py:Count')}[bindings.C]\npython = 'b.py:go'\n"
+    # Readings at 0, 100 and 200 ms; the first completion is at 100 ms.
+    made = trial(f"duration = 0.25\n{text.partition(chr(10))[2]}", robot, tmp_path)
+    assert rates(made, "P") == [22, 32]
+
+
 def test_the_template_of_the_page_runs(tmp_path: Path) -> None:
     page = (ROOT / "docs" / "how-to" / "behaviours.md").read_text(encoding="utf-8")
     source, bindings = (re.findall(rf"(?ms)^```{kind}\n(.*?)^```$", page)[0] for kind in LANGUAGES)
