@@ -6,7 +6,7 @@ own between the boxes, so nothing can cover anything else. The same graph gives 
 """
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import accumulate, pairwise
 from typing import NamedTuple, TypeAlias
@@ -27,7 +27,7 @@ PORT = 18.0
 STUB = 9.0
 #: The height for bends between ranks; where links go far to the side it grows.
 BEND, MOST_BEND, BEND_SLOPE = 14.0, 60.0, 0.08
-#: The height for each link from a box to itself, at the right side of the box.
+#: The height for each link from a box to itself, which leaves the right side of the box.
 LOOP, _LOOP_WIDTH = 21.0, 34.0
 #: The distance from a box, and from each other, of links that end at its side or foot.
 _BESIDE = 22.0
@@ -107,7 +107,11 @@ def draw_layered(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> Drawing
     widths = [width for width, _ in split.sizes]
     turned = [links[index].head == chain[0] for index, chain in zip(between, chains, strict=True)]
     passing = _passing(links, between, chains, turned, place)
-    ports = _port_offsets(chains, passing, turned, place, widths)
+    loops = _loops(links)
+    feet = [box for box, own in loops.items() if any(links[i].end == "foot" for i in own)]
+    ports = _port_offsets(chains, passing, turned, place, widths, feet)
+    foot_of = {box: port[2] for box, port in zip(feet, ports[len(chains) :], strict=True)}
+    ports = ports[: len(chains)]
     pulls: dict[int, list[Pull]] = defaultdict(list)
     for chain, (leaving, arriving, _) in zip(chains, ports, strict=True):
         last = len(chain) - 2
@@ -143,15 +147,8 @@ def draw_layered(sizes: Sequence[Size], links: Sequence[LayeredEdge]) -> Drawing
             routes[index] = Route((*_curve(points[:-1]), *turn), label)
         else:
             routes[index] = Route(_curve(points), label)
-    loops = defaultdict(list)
-    for index, link in enumerate(links):
-        if link.tail == link.head:
-            loops[link.tail].append(index)
     for box, own in loops.items():
-        x, y = centres[box]
-        for row, index in enumerate(own):
-            at = x + sizes[box][0] / 2, y + LOOP * (row - (len(own) - 1) / 2)
-            routes[index] = _loop(at, links[index].label)
+        routes.update(_loop_routes(own, links, centres[box], sizes[box], foot_of.get(box, 0.0)))
     return Drawing(
         (right - left, max((bottom for _, bottom in bands), default=0.0)),
         tuple(centres[: len(sizes)]),
@@ -274,14 +271,18 @@ def _port_offsets(
     turned: Sequence[bool],
     place: Mapping[int, int],
     widths: Sequence[float],
+    feet: Sequence[int],
 ) -> list[tuple[float, float, float]]:
     """Return for each link its offsets from the centres of the boxes at its two ends.
 
-    The third is where a link that passes its head turns up to the foot.
+    The third is where a link that passes its head turns up to the foot. Those of the boxes `feet`,
+    which links from themselves reach at the foot, follow.
     """
     below: dict[int, list[tuple[float, int, int]]] = defaultdict(list)
     above: dict[int, list[tuple[float, int, int]]] = defaultdict(list)
-    found = [[0.0, 0.0, 0.0] for _ in chains]
+    found = [[0.0, 0.0, 0.0] for _ in (*chains, *feet)]
+    for index, box in enumerate(feet, len(chains)):
+        below[box].append((len(place), index, 2))
     for index, chain in enumerate(chains):
         beside = passing.get(index)
         if beside is None or not turned[index]:
@@ -359,9 +360,48 @@ def _curve(points: Sequence[Point]) -> tuple[Point, ...]:
     return tuple(found)
 
 
+def _loops(links: Sequence[LayeredEdge]) -> dict[int, list[int]]:
+    """Return the links from each box to itself, those to its foot last."""
+    found: dict[int, list[int]] = defaultdict(list)
+    for at_foot in (False, True):
+        for index, link in enumerate(links):
+            if link.tail == link.head and (link.end == "foot") is at_foot:
+                found[link.tail].append(index)
+    return found
+
+
+def _loop_routes(
+    own: Sequence[int], links: Sequence[LayeredEdge], centre: Point, size: Size, foot: float
+) -> Iterator[tuple[int, Route]]:
+    """Yield the route of each link from a box to itself, from top to bottom.
+
+    Those to the foot, at the offset `foot` from the centre, are each inside the one above it.
+    """
+    (x, y), (width, height) = centre, size
+    outer = sum(links[index].end != "foot" for index in own)
+    for row, index in enumerate(own):
+        at = x + width / 2, y + LOOP * (row - (len(own) - 1) / 2)
+        if row < outer:
+            yield index, _loop(at, links[index].label)
+        else:
+            share = (len(own) - row) / (len(own) - outer)
+            yield index, _loop_to_foot(at, links[index].label, (x + foot, y + height / 2), share)
+
+
 def _loop(at: Point, label: Size | None) -> Route:
     """Return the route of a link from a box to itself, at a point of its right side."""
     x, y = at
     far = x + _LOOP_WIDTH
     points = ((x, y - 7), (far, y - 7), (far, y + 7), (x, y + 7))
     return Route(points, (far + label[0] / 2 - 2, y) if label else None)
+
+
+def _loop_to_foot(at: Point, label: Size | None, foot: Point, share: float) -> Route:
+    """Return the route of a link from a point of a box's right side to its foot.
+
+    `share` of the width for such links is used.
+    """
+    (x, y), (u, low) = at, foot
+    far, deep = x + share * (_LOOP_WIDTH - 4), low + (1 + 1.5 * share) * STUB
+    points = (at, (far, y), (far, y), (far, low), (far, deep), (u, deep), foot)
+    return Route(points, (x + _LOOP_WIDTH + label[0] / 2 - 2, y) if label else None)

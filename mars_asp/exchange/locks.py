@@ -11,11 +11,12 @@ from mars_asp.model.graph import Mux, MuxInput
 def lock_names(mux: Mux, before: str, taken: Container[str]) -> dict[MuxInput, str]:
     """Return the names of the locks of a mux, with the prefix `before`.
 
-    A lock whose own name is `taken` has that of its topic, with a number if that is taken too.
+    A lock whose own name is `taken` has that of its topic as written, or without its leading `/`
+    after a prefix; a number follows if that is taken too.
     """
     found: dict[MuxInput, str] = {}
     for lock in mux.locks:
-        topic = before + lock.topic.lstrip("/")
+        topic = before + lock.topic.lstrip("/") if before else lock.topic
         choices = chain((before + lock.name, topic), (f"{topic}_{k}" for k in count(2)))
         used = found.values()
         found[lock] = next(each for each in choices if each not in taken and each not in used)

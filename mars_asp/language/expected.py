@@ -1,12 +1,13 @@
 """Diagnostics of statements that do not parse, with the expected words."""
 
 import re
+from collections.abc import Sequence
 
 from lark import UnexpectedInput
 
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.language.layout import Layout
-from mars_asp.model.declarations import VERBS
+from mars_asp.model.declarations import GATING, VERBS
 from mars_asp.model.names import UNSEEN
 from mars_asp.spelling import suggestion
 
@@ -36,6 +37,8 @@ _WORDS = (
 _SIDE_LINES = frozenset(
     ("SIGN", "_IS_RESET_BY", "_IS_LOCKED_BY", "_IS_LIMITED_BY", "_IS_ARBITRATED_BY")
 )
+_COMMON, _SIDE_VERBS = VERBS[:3], VERBS[3:]
+_SIDE_VERB = re.compile(rf"\b(?:{'|'.join(_SIDE_VERBS)})\b")
 _SHOWN = {
     "NAME": "a module name",
     "NUMBER": "a number",
@@ -56,7 +59,6 @@ _SHOWN = {
     "_IS_MOUNTED_ON": "`is_mounted_on`",
     "_IS_CONTROLLED_BY": "`is_controlled_by`",
     "_USES_DATA_FROM": "`uses_data_from`",
-    "SIGN": "`is_suppressed_by` or `is_inhibited_by`",
     "_IS_RESET_BY": "`is_reset_by`",
     "_IS_LOCKED_BY": "`is_locked_by`",
     "_IS_LIMITED_BY": "`is_limited_by`",
@@ -89,9 +91,18 @@ def describe(layout: Layout, base: int, piece: str, error: UnexpectedInput) -> D
     terminals = getattr(error, "accepts", None) or getattr(error, "expected", None)
     terminals = terminals or getattr(error, "allowed", None) or ()
     names = set(map(str, terminals))
-    if "_USES_DATA_FROM" in names:
+    verbs = VERBS if _SIDE_VERB.search(layout.grammatical) else _COMMON
+    hint = (
+        _UNSEEN_HELP
+        if _UNSEEN_NAME.match(piece, begin)
+        else _unit_hint(piece[:begin].split(), match[0] if match else "")
+        or _hint(piece, match[0] if match else "", verbs)
+    )
+    if "_USES_DATA_FROM" in names and verbs is _COMMON and not _SIDE_VERB.search(hint or ""):
         # Where any relationship may follow, the common ones suffice.
         names -= _SIDE_LINES
+    if "SIGN" in names:
+        names = names - {"SIGN"} | {f"`{verb}`" for verb in GATING.values()}
     wanted = sorted({_SHOWN.get(name, name) for name in names})
     if not wanted or not piece[:begin].strip():
         wanted = [
@@ -112,10 +123,7 @@ def describe(layout: Layout, base: int, piece: str, error: UnexpectedInput) -> D
         "error",
         f"found {found}, {expected}",
         span,
-        help=_UNSEEN_HELP
-        if _UNSEEN_NAME.match(piece, begin)
-        else _unit_hint(piece[:begin].split(), match[0] if match else "")
-        or _hint(piece, match[0] if match else ""),
+        help=hint,
         excerpt=layout.line(span.line).rstrip(" "),
     )
 
@@ -137,8 +145,11 @@ def _unit_hint(before: list[str], found: str) -> str | None:
     return None
 
 
-def _hint(piece: str, found: str) -> str | None:
-    """Return advice on a syntax error at the word `found`, or None if there is no likely cause."""
+def _hint(piece: str, found: str, verbs: Sequence[str]) -> str | None:
+    """Return advice on a syntax error at the word `found`, or None if there is no likely cause.
+
+    `verbs` are the words between the ends of relationships that are named without one.
+    """
     if found in KEYWORDS and "," in piece[: piece.rfind(found)]:
         return "the `,` before it continues the list; drop it where the list ends"
     words = [found, *_WORD.findall(piece)]
@@ -149,5 +160,6 @@ def _hint(piece: str, found: str) -> str | None:
         if advice := suggestion(word.lower(), vocabulary, None, 0.75):
             return advice
     if not piece.lstrip().startswith("@") and not any(word in words for word in KEYWORDS):
-        return "a line relates modules by `is_mounted_on`, `is_controlled_by` or `uses_data_from`"
+        listed = [f"`{verb}`" for verb in verbs]
+        return f"a line relates modules by {', '.join(listed[:-1])} or {listed[-1]}"
     return None

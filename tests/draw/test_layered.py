@@ -120,6 +120,8 @@ def test_lines_lead_from_the_edge_of_one_box_to_that_of_the_other(
             left, top, right, bottom = around(drawing.centres[box], sizes[box])
             on_level = left - 0.1 <= x <= right + 0.1 and min(abs(y - top), abs(y - bottom)) < 0.1
             on_side = link.tail == link.head and abs(x - right) < 0.1 and top < y < bottom
+            if link.end == "foot" and (x, y) == route.points[-1]:
+                on_side = False
             if link.end == "side" and (x, y) == route.points[-1]:
                 on_side = min(abs(x - left), abs(x - right)) < 0.1 and top < y < bottom
             assert on_level or on_side
@@ -132,6 +134,15 @@ def test_links_of_a_graph_without_cycles_go_down(count: int, random: random.Rand
     drawing = draw_layered([(80.0, 34.0)] * count, links)
     ys = [y for _, y in drawing.centres]
     assert all(ys[link.tail] < ys[link.head] for link in links)
+
+
+def test_a_link_from_a_box_to_itself_can_end_at_its_foot() -> None:
+    links = [LayeredEdge(0, 0, end="foot"), LayeredEdge(0, 0), LayeredEdge(0, 1)]
+    drawing = draw_layered([(80.0, 42.0), (80.0, 34.0)], links)
+    (x, y), reset, down = drawing.centres[0], drawing.routes[0], drawing.routes[2]
+    assert reset.points[0][0] == x + 40
+    assert reset.points[-1][1] == y + 21
+    assert down.points[0][0] < reset.points[-1][0] < x + 40
 
 
 def test_a_tree_is_drawn_without_crossings() -> None:

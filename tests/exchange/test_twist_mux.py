@@ -109,6 +109,10 @@ REFUSED = [
         ],
     ),
     (MUX + "3\n", ["4:10: error: input `a` is not a map"]),
+    (f"topics: {{i: {INPUT}}}\nlocks: {{a: 3}}\n", ["2:12: error: lock `a` is not a map"]),
+    (f"topics: {{i: {INPUT}}}\nlocks: [3]\n", ["2:9: error: a lock of the list is not a map"]),
+    (f"topics: {{i: {INPUT}}}\nlocks: 3\n",
+     ["2:8: error: `locks` is a scalar, not a map of locks"]),
     (
         f"{MUX}{INPUT}\n      a: {INPUT}\n",
         ["5:7: error: `a` is given twice in one map"],

@@ -413,6 +413,11 @@ def test_each_word_has_its_meaning() -> None:
     assert METADATA.keys() == {*KEYS, *EXPANSIONS}
 
 
+def test_words_of_several_sentences_are_explained_for_each() -> None:
+    assert "source of this lock or limit may be silent" in STATEMENTS["hold"].meaning
+    assert "flat or weighted" in STATEMENTS["period"].meaning
+
+
 def test_symbols_span_their_blocks() -> None:
     desk = EditorWorkspace()
     desk.texts["/a.mars"] = "@modules A\n@module_start\n@module_name B\n@Grasp 0 1\n@module_end\n"

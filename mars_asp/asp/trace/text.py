@@ -2,13 +2,13 @@
 
 import os
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from typing import NamedTuple
 
 import clingo
 
 from mars_asp.asp.messages import shown
-from mars_asp.asp.signature import plain
+from mars_asp.asp.signature import Signature, plain
 from mars_asp.asp.solve.term_ids import TermId, as_symbol
 from mars_asp.asp.trace import DEPTH
 from mars_asp.asp.trace.premise_order import PremiseOrder
@@ -425,12 +425,12 @@ def _near(step: Derived) -> _NearStep:
     return _NearStep(seen, facts, lines)
 
 
-def steps_of(step: Trace) -> list[Trace]:
-    """Return a step and all its reasons, the nearest first."""
+def steps_of(step: Trace, without: Iterable[Signature] = ()) -> list[Trace]:
+    """Return a step and all its reasons, the nearest first; none of some predicates' atoms."""
     found: list[Trace] = [step]
     seen = {id(step)}
     for part in found:
-        if isinstance(part, Derived):
+        if isinstance(part, Derived) and not any(map(part.rule.derives, without)):
             for premise in part.premises:
                 if id(premise) not in seen:
                     seen.add(id(premise))

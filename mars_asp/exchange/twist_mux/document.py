@@ -37,6 +37,8 @@ _ENGINES: Mapping[Sort, Engine] = {
     "topics": "twist_mux",
     "subscribers": "cmd_vel_mux",
 }
+#: The noun for an entry of each sort.
+_NOUNS: Mapping[Sort, str] = {"topics": "input", "locks": "lock", "subscribers": "input"}
 #: What a byte holds, which is what twist_mux keeps a priority in.
 _MOST_TWIST_MUX = 255
 
@@ -124,7 +126,7 @@ def read_documents(files: Sequence[tuple[str, str]]) -> list[MuxDocument]:
 
 
 def _moves_of_locks(sections: Sequence[_Section]) -> list[tuple[_Section, _Section]]:
-    """Return the sections without inputs, each with the one of its mux, where there is just one."""
+    """Return the sections without inputs, each with the one of its mux, if there is exactly one."""
     owners = [section for section in sections if section.has_inputs()]
     moves = []
     for section in sections:
@@ -231,7 +233,7 @@ class _MuxReader:
         leaves: list[_Leaf] = []
         output = OUTPUT
         spans: dict[Sort, Span] = {}
-        lists: list[Scalar] = []
+        lists: list[tuple[Scalar, str]] = []
         for key, value in section.pairs:
             head = key.text.partition(".")[0]
             sort = next((sort for sort in SORTS if sort == head), None)
@@ -241,32 +243,34 @@ class _MuxReader:
                 else:
                     self.unread.append(Unread("parameters", key.text, key.span))
                 continue
+            noun = _NOUNS[sort]
             spans.setdefault(sort, part_of(key, 0, len(head)))
             entries.setdefault(sort, [])
             if isinstance(value, Items) and key.text == head:
                 if section.listed:
-                    entries[sort] += self.listed(value)
+                    entries[sort] += self.listed(value, noun)
                 else:
-                    lists.append(key)
+                    lists.append((key, noun))
             elif isinstance(value, Scalar) and key.text == head:
                 if value.quoted or value.text.lower() not in ("", "~", "null"):
                     self.wrong(
                         value.span,
-                        f"`{head}` is a scalar, not a map of inputs",
-                        "name each input below",
+                        f"`{head}` is a scalar, not a map of {noun}s",
+                        f"name each {noun} below",
                     )
             else:
                 leaves += _leaves(key, value)
-        for key in lists[:1]:
+        for key, noun in lists[:1]:
             self.wrong(
                 key.span,
                 f"`{key.text}` is a list under `{PARAMETERS}`, which ROS 2 cannot read as"
                 " parameters",
-                "write a map: each input by its name, without `-` and `name:`",
-                *((other.span, f"and `{other.text}`") for other in lists[1:]),
+                f"write a map: each {noun} by its name, without `-` and `name:`",
+                *((other.span, f"and `{other.text}`") for other, _ in lists[1:]),
             )
         for sort in entries:
-            entries[sort] += self.mapped([leaf for leaf in leaves if leaf.parts[0][0] == sort])
+            own = [leaf for leaf in leaves if leaf.parts[0][0] == sort]
+            entries[sort] += self.mapped(own, _NOUNS[sort])
         if not entries.get("topics"):
             unused = entries.get("locks", ())
             self.unread += (Unread("locks", lock.name, lock.span) for lock in unused)
@@ -282,8 +286,8 @@ class _MuxReader:
                 name = "/".join(section.names)
                 self.muxes.append(Mux(name, engine, at, output, found, locks=locks))
 
-    def listed(self, items: Items) -> Iterator[_MuxEntry]:
-        """Yield the entries of a list of maps; a repeated name gets a number.
+    def listed(self, items: Items, word: str) -> Iterator[_MuxEntry]:
+        """Yield the entries of a list of maps, each a `word`; a repeated name gets a number.
 
         For the twist_mux of ROS 1, which reads lists, names are labels and need not differ.
         """
@@ -293,7 +297,7 @@ class _MuxReader:
             if not isinstance(item, Pairs):
                 self.wrong(
                     item.span,
-                    "an input of the list is not a map",
+                    f"{_with_article(word)} of the list is not a map",
                     "write `- name: NAME` and below it `topic`, `timeout` and `priority`",
                 )
                 continue
@@ -309,12 +313,12 @@ class _MuxReader:
             else:
                 self.wrong(
                     beginning(item.span) if name is None else name.span,
-                    "an input of the list has no name",
+                    f"{_with_article(word)} of the list has no name",
                     "add `name: NAME`",
                 )
 
-    def mapped(self, leaves: Sequence[_Leaf]) -> Iterator[_MuxEntry]:
-        """Yield the entries of maps and dotted keys, in the order of the file."""
+    def mapped(self, leaves: Sequence[_Leaf], word: str) -> Iterator[_MuxEntry]:
+        """Yield the entries of maps and dotted keys, each a `word`, in the order of the file."""
         spans: dict[str, Span] = {}
         fields: dict[str, dict[str, tuple[Scalar, Node]]] = {}
         for parts, key, value in leaves:
@@ -325,7 +329,7 @@ class _MuxReader:
                 if not isinstance(value, Pairs):
                     self.wrong(
                         value.span,
-                        f"input `{name}` is not a map",
+                        f"{word} `{name}` is not a map",
                         "write `topic`, `timeout` and `priority` below its name",
                     )
                     continue
@@ -351,7 +355,7 @@ class _MuxReader:
         """Yield the complete inputs of a mux, or its locks, and note the errors of the others."""
         for entry in entries:
             if read_name(written(entry.name)) is None:
-                owner = "an input" if word == "input" else "a lock"
+                owner = _with_article(word)
                 message = f"the name of {owner} is empty, or has a line break or control character"
                 self.wrong(entry.span, message, "write a name of one visible line")
             for what, (key, _) in entry.fields.items():
@@ -458,6 +462,10 @@ class _MuxReader:
             self.mistyped(entry, "priority", value, expected)
             return None
         return number
+
+
+def _with_article(word: str) -> str:
+    return f"an {word}" if word == "input" else f"a {word}"
 
 
 def _leaves(key: Scalar, value: Node) -> Iterator[_Leaf]:

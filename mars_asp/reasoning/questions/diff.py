@@ -46,8 +46,9 @@ Item = TypeVar("Item")
 _ANYTHING = re.compile(r"(?<=[(,])_(?=[,)])")
 #: Predicates whose last argument is a rate, as a number that depends on the other rates of a file.
 _RATES = frozenset({"required_rate", "offered_rate"})
-#: Facts of side lines that change a consequence, but not its message.
-_NUMBERS = ("closes_for(", "lock_priority(", "bound_hold(")
+#: Consequences whose side lines, with their times and priorities, the message leaves out.
+_OF_SIDE_LINES = frozenset({"suppression", "inhibition", "lock", "limit"})
+_SIDE_LINES = ("is_", "closes_for(", "lock_priority(", "bound_hold(")
 #: Facts about the whole configuration, located at lines that do not state them.
 _OBSERVED = frozenset(
     {"place", "closed_walk", "entangled", "spelt", "resembles", "in_words"}
@@ -157,6 +158,8 @@ class _DiffEntry(Generic[Item]):
     value: tuple[str, ...]
     atom: clingo.Symbol
     item: Item
+    #: Lines that caused it, besides those of its trace.
+    spans: tuple[Span, ...] = ()
 
 
 class _Side:
@@ -202,13 +205,12 @@ class _Side:
     def consequences(self) -> Iterator[_DiffEntry[Consequence]]:
         for c in self.analysis.consequences:
             key = (c.kind, c.subject, c.severity)
-            numbers = sorted(
-                fact
-                for span in set(c.spans)
-                for fact in self.lines.get(span, ())
-                if fact.startswith(_NUMBERS)
+            spans = set(c.spans) if c.kind in _OF_SIDE_LINES else ()
+            of_lines = sorted(
+                " ".join(fact for fact in self.lines.get(span, ()) if fact.startswith(_SIDE_LINES))
+                for span in spans
             )
-            yield _DiffEntry(key, (*key, c.message, *c.participants, *numbers), c.atom, c)
+            yield _DiffEntry(key, (*key, c.message, *c.participants, *of_lines), c.atom, c)
 
     def launch_findings(self) -> Iterator[_DiffEntry[Consequence]]:
         """Yield the findings in launch trees; paths are relative to the folder of the robot."""
@@ -219,11 +221,22 @@ class _Side:
             yield _DiffEntry(inside[:3], inside, c.atom, c)
 
     def nodes(self) -> Iterator[_DiffEntry[IntroducedNode]]:
-        if self.synthesis is not None:
-            resolves = self.synthesis.specification.resolves
-            for node in self.synthesis.specification.nodes:
+        if self.synthesis is None:
+            return
+        resolves = self.synthesis.specification.resolves
+        gated = {f"{c.key[0]}({c.key[1]})": c for c in self.consequences()}
+        for node in self.synthesis.specification.nodes:
+            term = clingo.parse_term(node.term)
+            if node.kind != "gate_node":
                 key = (node.kind, *resolves[node.name][:1])
-                yield _DiffEntry(key, (node.term,), clingo.parse_term(node.term), node)
+                yield _DiffEntry(key, (node.term,), term, node)
+                continue
+            # A Gate is the same node with other triggers, signs and times.
+            found = [gated[name] for name in resolves[node.name] if name in gated]
+            values = (word for each in found for word in each.value)
+            spans = tuple(span for each in found for span in each.item.spans)
+            key = (node.kind, str(term.arguments[0]))
+            yield _DiffEntry(key, (node.term, *values), term, node, spans)
 
     def holds(self, symbol: clingo.Symbol) -> bool:
         atom = self.analysis.grounding.control.symbolic_atoms[symbol]
@@ -336,10 +349,10 @@ def _changes(
         old_lines: set[Span] = set()
         new_lines: set[Span] = set()
         if gone is not None:
-            old_lines |= _given(old_traces[gone.atom])
+            old_lines |= _given(old_traces[gone.atom]) | {*gone.spans}
             new_lines |= _preventing(old_traces[gone.atom], after)
         if come is not None:
-            new_lines |= _given(new_traces[come.atom])
+            new_lines |= _given(new_traces[come.atom]) | {*come.spans}
             old_lines |= _preventing(new_traces[come.atom], before)
         unchanged = new_lines & after.unchanged or old_lines & before.unchanged
         yield Change(

@@ -7,11 +7,14 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import NamedTuple
 
-from mars_asp.asp.trace import Explainer
+from mars_asp.asp.signature import Signature
+from mars_asp.asp.solve.term_ids import arguments, as_symbol
+from mars_asp.asp.trace import Derived, Explainer, Given, Trace
 from mars_asp.asp.trace.given import GivenFacts
-from mars_asp.asp.trace.text import leaves_of
+from mars_asp.asp.trace.text import steps_of
 from mars_asp.diagnostic import Span, point
 from mars_asp.model.declarations import (
     Configuration,
@@ -23,8 +26,12 @@ from mars_asp.model.declarations import (
     Mount,
     Relationship,
     Reset,
+    Strategy,
     ends_of,
+    ports_of,
+    verb_of,
 )
+from mars_asp.reasoning.facts.identifiers import numbered
 from mars_asp.reasoning.questions.subject import no_node
 from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis import IntroducedNode
@@ -36,6 +43,13 @@ from mars_asp.reasoning.verification import (
 
 #: The file name in the locations of remaining lines, which are in no file.
 _LEFT = "<left>"
+#: Predicates whose reasons show no path, but only which output a name means.
+_MEANINGS = (
+    *(Signature(name, 2) for name in ("sends", "aside_sort", "sort_of_end", "sort_of_trigger")),
+    *(Signature("goes_by", 2), Signature("with_side_lines", 0)),
+)
+#: The rule is about the side line that its first argument identifies, and cites no location.
+_COMMANDS_ASIDE = Signature("aside_commands", 2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +88,7 @@ def without(name: str, reasoner: Reasoner) -> tuple[ViolatedClause, ...] | None:
     of_span = {relationship.span: number for number, relationship in enumerate(declared)}
     found = []
     for violation in verification.violations:
-        spans = {leaf.span for leaf in leaves_of(traces[violation.head])}
+        spans = set(left.cited(traces[violation.head]))
         numbers = {of_span[span] for span in spans if span in of_span}
         for line in left.last(spans):
             numbers |= set[int].intersection(*(set(over[number]) for number in line.of))
@@ -104,6 +118,7 @@ class _Left:
             for number, line in enumerate(_without(whole.relationships, name), 1)
         ]
         self._lines = {line.line.span: line for line in lines}
+        self._numbered = dict(numbered([line.line for line in lines]))
         self.specification = replace(
             whole,
             modules=tuple(module for module in whole.modules if module.text != name),
@@ -111,6 +126,14 @@ class _Left:
             conversions=tuple(c for c in whole.conversions if c.transformer != name),
             stand_ins=tuple(each for each in whole.stand_ins if each.node != name),
         )
+
+    def cited(self, trace: Trace) -> Iterator[Span | None]:
+        """Yield the locations of the lines of both files on which a trace rests."""
+        for step in steps_of(trace, _MEANINGS):
+            if isinstance(step, Given):
+                yield step.span
+            elif isinstance(step, Derived) and step.rule.derives(_COMMANDS_ASIDE):
+                yield self._numbered[as_symbol(arguments(step.head)[0]).number].span
 
     def last(self, places: Iterable[Span | None]) -> Sequence[_Line]:
         """Return the lines at some locations that feed no other of these lines."""
@@ -140,7 +163,7 @@ def _without(lines: Sequence[Relationship], name: str) -> Iterator[_Line]:
 
 def _joined(given: Relationship, taken: Relationship) -> Relationship:
     if isinstance(given, Data) and isinstance(taken, Data):
-        return replace(taken, source=given.source)
+        return replace(taken, source=given.source, source_port=given.source_port)
     assert isinstance(given, Data | Control)
     source = given.source if isinstance(given, Data) else given.controller
     port = given.source_port if isinstance(given, Data) else None
@@ -160,18 +183,23 @@ def _joined(given: Relationship, taken: Relationship) -> Relationship:
 
 
 class _Ways:
-    """The lines on the paths between declared modules, by the type of relationship."""
+    """The lines of a specification on the paths between declared modules."""
 
     def __init__(self, specification: Configuration, nodes: Mapping[str, IntroducedNode]) -> None:
         self._lines = specification.relationships
         self._nodes = nodes
         self._stand_in = {node.stands_for: node.name for node in nodes.values()}
         self._into: dict[tuple[type, str], list[int]] = {}
-        self._out_of: dict[tuple[type, str], list[int]] = {}
+        self._out_of: dict[str, list[int]] = {}
+        #: The gate, reset, lock and limit lines by their verb.
+        self._aside: dict[str, list[int]] = {}
         for number, line in enumerate(self._lines):
             receiver, feeder = ends_of(line)
             self._into.setdefault((type(line), receiver), []).append(number)
-            self._out_of.setdefault((type(line), feeder), []).append(number)
+            if isinstance(line, Data | Control):
+                self._out_of.setdefault(feeder, []).append(number)
+            else:
+                self._aside.setdefault(verb_of(line), []).append(number)
 
     def over(self, declared: Sequence[Relationship]) -> Sequence[Set[int]]:
         """Return for each line the indices of the declared relationships whose path contains it."""
@@ -183,41 +211,75 @@ class _Ways:
 
     def _of(self, relationship: Relationship) -> Iterator[int]:
         """Yield the index of each line on the path of a declared relationship."""
-        if isinstance(relationship, Mount):
+        if isinstance(relationship, Mount | Strategy):
             return
-        kind, (receiver, feeder) = type(relationship), ends_of(relationship)
-        yield from self._back(kind, receiver, feeder)
+        receiver = ends_of(relationship)[0]
+        if not isinstance(relationship, Data | Control):
+            yield from self._back(self._realising(relationship), relationship)
+            return
+        yield from self._back(self._into.get((type(relationship), receiver), ()), relationship)
         # Commands to inherited functions pass the node that represents the module.
-        stand_in = self._stand_in.get(receiver) if kind is Control else None
+        stand_in = self._stand_in.get(receiver) if isinstance(relationship, Control) else None
         if stand_in is not None:
-            before = list(self._back(kind, stand_in, feeder))
+            before = list(self._back(self._into.get((Control, stand_in), ()), relationship))
             yield from before
             # Without such commands the controller has no path to the node.
-            yield from self._on(kind, stand_in) if before else ()
+            yield from self._on(stand_in) if before else ()
 
-    def _back(self, kind: type, receiver: str, feeder: str) -> Iterator[int]:
-        """Yield the index of each line of a type on paths from `feeder` via nodes to `receiver`."""
-        after: dict[int, int | None] = dict.fromkeys(self._into.get((kind, receiver), ()))
+    def _realising(self, relationship: Relationship) -> Sequence[int]:
+        """Return the lines with the location of a gate, reset, lock or limit line.
+
+        One line can represent several receivers' lines, at the location of the first. For the
+        others, the lines into the nodes before their receivers are returned.
+        """
+        lines = self._aside.get(verb_of(relationship), ())
+        own = [number for number in lines if self._lines[number].span == relationship.span]
+        receiver = ends_of(relationship)[0]
+        ends = {receiver, self._stand_in.get(receiver, receiver)}
+        return own or [
+            number
+            for number in lines
+            for after in self._on(ends_of(self._lines[number])[0])
+            if ends_of(self._lines[after])[0] in ends
+        ]
+
+    def _back(self, starts: Iterable[int], relationship: Relationship) -> Iterator[int]:
+        """Yield the index of each line on paths from a relationship's feeder via nodes to starts.
+
+        Ports that both the relationship and a line name are the same.
+        """
+        feeder, (into, out_of) = ends_of(relationship)[1], ports_of(relationship)
+        after: dict[int, int | None] = {
+            number: None
+            for number in starts
+            if not isinstance(relationship, Data) or _agree(into, ports_of(self._lines[number])[0])
+        }
         waiting = list(after)
         while waiting:
             number = waiting.pop()
             origin = ends_of(self._lines[number])[1]
-            if origin == feeder:
+            if origin == feeder and _agree(out_of, ports_of(self._lines[number])[1]):
                 on: int | None = number
                 while on is not None:
                     yield on
                     on = after[on]
             elif origin in self._nodes and self._nodes[origin].stands_for is None:
-                before = [n for n in self._into.get((kind, origin), ()) if n not in after]
+                lines = (self._into.get((kind, origin), ()) for kind in (Data, Control))
+                before = [n for n in chain(*lines) if n not in after]
                 after.update(dict.fromkeys(before, number))
                 waiting += before
 
-    def _on(self, kind: type, feeder: str) -> Iterator[int]:
-        """Yield the index of each line of a type downstream of the node `feeder`, up to modules."""
-        waiting = list(self._out_of.get((kind, feeder), ()))
+    def _on(self, feeder: str) -> Iterator[int]:
+        """Yield each data or control line downstream of the node `feeder`, up to modules."""
+        waiting = list(self._out_of.get(feeder, ()))
         while waiting:
             number = waiting.pop()
             yield number
             receiver = ends_of(self._lines[number])[0]
             if receiver in self._nodes:
-                waiting += self._out_of.get((kind, receiver), ())
+                waiting += self._out_of.get(receiver, ())
+
+
+def _agree(declared: str | None, written: str | None) -> bool:
+    """Whether two names of ports can mean the same port."""
+    return declared is None or written is None or declared == written

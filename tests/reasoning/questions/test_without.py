@@ -15,6 +15,7 @@ from tests.support.campaigns import sample, seeds
 from tests.support.documents import ROOT
 from tests.support.fixtures import Captured, Patch
 from tests.support.random_configurations import random_configuration, random_control
+from tests.support.random_side_lines import random_side_lines
 from tests.support.refusals import refusal
 
 RULEBOOK = load_rulebook(stages=("resolve", "verify"))
@@ -97,7 +98,61 @@ def test_something_breaks_without_a_node(path: Path) -> None:
     check_each_node(load_project(str(path)))
 
 
-@pytest.mark.parametrize("kind", [random_configuration, random_control])
+#: Side lines, and the lines of the file that are cited without each node of its specification.
+SIDE_LINES = """\
+@configuration hierarchical
+@modules Q, T, V, B, G, H, L, M, Map
+V uses_data_from T
+B is_controlled_by G 1
+M is_controlled_by H 1
+B is_locked_by L 5
+M is_locked_by L 5
+G is_inhibited_by H 100
+Q is_reset_by L
+Map is_reset_by T
+V uses_data_from Map
+Map is_suppressed_by L 40
+"""
+SHARED = """\
+@configuration hierarchical
+@modules B, M, C, L, P, X, Y, T, N
+B is_controlled_by C 1
+M is_controlled_by C 1
+B is_locked_by L 2
+M is_locked_by L 2
+P is_reset_by L
+X.a uses_data_from Y.u
+X.b uses_data_from Y.v
+X.c uses_data_from Y.u
+X.a is_suppressed_by T 30
+X.c is_suppressed_by T 30
+N uses_data_from T
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "node", "expected"),
+    [
+        (SIDE_LINES, "DataSplitter1", [[3, 10]]),
+        (SIDE_LINES, "DataSplitter2", [[6, 7, 9, 12]]),
+        (SIDE_LINES, "ControlSplitter1", [[5, 8]]),
+        (SIDE_LINES, "Gate1", [[4, 8]]),
+        (SIDE_LINES, "Gate2", [[11, 12]]),
+        (SHARED, "DataSplitter1", [[5, 6, 7]]),
+        (SHARED, "DataSplitter2", [[11, 12, 13]]),
+        (SHARED, "Gate1", [[8, 11], [10, 12]]),
+    ],
+)
+def test_side_lines_are_cited_at_the_nodes_before_them(
+    text: str, node: str, expected: list[list[int]]
+) -> None:
+    project = Project(parse_text(text, "c.mars").configuration, {}, ())
+    found = without(node, Reasoner(project, RULEBOOK))
+    assert found is not None
+    assert [clause_and_lines(broken)[2] for broken in found] == expected
+
+
+@pytest.mark.parametrize("kind", [random_configuration, random_control, random_side_lines])
 def test_something_breaks_without_a_node_of_random_configurations(kind: type) -> None:
     for seed in seeds(2, 20):
         check_each_node(Project(parse_text(kind(seed), "c.mars").configuration, {}, ()))
