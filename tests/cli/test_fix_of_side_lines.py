@@ -1,4 +1,4 @@
-"""`check --fix` drops no gate, lock or reset line: whether it is meant is for the user to decide."""
+"""`check --fix` drops no gate, lock or reset line: a user decides whether it is meant."""
 
 from pathlib import Path
 
@@ -21,7 +21,7 @@ Command go();
 @module_start
 @module_name Stop
 @DataOut NotifyWhenReady
-Bool stop(Num x);
+Bool stop(Word x);
 @module_end
 
 @module_start
