@@ -49,5 +49,5 @@ def test_a_lock_that_is_not_fed_and_a_gate_without_effect_stay(
     kept = file.read_text(encoding="utf-8").splitlines()
     assert [line for line in lines if line not in kept] == []
     capsys.readouterr()
-    assert run_here(["explain", str(file), "--repair", "lock_unfed"]) == 0
+    assert run_here(["explain", str(file), "--repair", "lock_unfed"]) == 1
     assert "let `Stop` no longer bound `Wheel`" in capsys.readouterr().out
