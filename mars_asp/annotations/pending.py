@@ -92,7 +92,14 @@ class Pending:
         for directive, problem in wrong:
             self._problems.note_wrong(directive, problem)
         services = [service for _, service in pending if service is not None]
-        return self._bind(services, after.found, after.place, result)
+        bound = self._bind(services, after.found, after.place, result)
+        is_fed = any(each.inputs for each in bound if each.kind not in ("Done", "Reset"))
+        for directive in written:
+            if directive.word == "Window" and bound and not is_fed:
+                message = f"`@Window` for a function without inputs: `{after.found.name}`"
+                help_text = "drop it, or write it before the function that takes the messages"
+                self._problems.note_word("MARS217", directive, message, help_text)
+        return bound
 
     def _following(self, offset: int) -> Following:
         """Return the declaration of a `@Signature`, else the one before an offset."""

@@ -16,4 +16,13 @@ Heading left(Sweep sweep);
 // @Window soon
 // @DataOut NotifyWhenReady
 Heading right(Sweep sweep);
+// @Window 50
+// @Done
+Heading gone();
+// @module_end
+// @module_start
+// @module_name Eye
+// @Sense NotifyWhenReady
+// @Window 50
+Sweep see();
 // @module_end
