@@ -145,7 +145,7 @@ def services(draw: st.DrawFn) -> Service:
         draw(st.integers(1, 99) | st.just(1_000_000)) if kind == "Converts" else 1,
         draw(st.none() | written_names) if delivers else None,
         tuple(names),
-        draw(st.none() | st.integers(1, MOST)),
+        draw(st.none() | st.integers(1, MOST)) if inputs and kind != "Reset" else None,
     )
 
 
