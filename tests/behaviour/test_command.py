@@ -60,9 +60,11 @@ def test_only_listed_functions_are_commanded_together() -> None:
     assert commanded(MappingProxyType({"Trans_Z": 1, "Rotn_Y": 5}), listed)["Rotn_Y"] == 5
     assert commanded(UserDict(Trans_Z=1), ()) == commanded({"Trans_Z": 1}, ("Trans_Z",))
     assert commanded({"Rotn_X": 5}, ()) == {"Rotn_X": 5.0}
-    with pytest.raises(ValueError, match="`Rotn_X` is not in the annotation, which lists `Trans_Z`"):
+    with pytest.raises(
+        ValueError, match="`Rotn_X` is not in the annotation, which lists `Trans_Z`"
+    ):
         commanded({"Rotn_X": 5}, ("Trans_Z",))
-    with pytest.raises(ValueError, match="or a mapping of functions to rates, or None, not {}"):
+    with pytest.raises(ValueError, match=r"or a mapping of functions to rates, or None, not \{\}"):
         commanded({}, listed)
     with pytest.raises(ValueError, match="`Rotn_X` is not in the annotation"):
         commanded({"Trans_Z": 1, "Rotn_X": 5}, listed)

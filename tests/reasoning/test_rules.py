@@ -181,7 +181,7 @@ def test_every_rule_fires_in_one_case_and_narrowly_fails_in_another(rulebook: Ru
 def test_a_case_notices_each_list_that_is_left_out(rulebook: Rulebook) -> None:
     """Mutants change rules written in files, not the rules that `who` and `at` expand to."""
     listed = [each for each in rulebook.rules if each.listed is not None]
-    lists = sample(listed, 6)
+    lists = sample(listed, 12)
     folders = {r.stage if r.stage != "base" else Path(r.span.path).stem for r in lists}
     own = [path for path in CASES if path.parent.name in folders]
     assert len(listed) > 100
