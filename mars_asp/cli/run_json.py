@@ -118,9 +118,11 @@ def speakers(trial: "Trial") -> Iterator[str]:
     """Yield the controllers whose commands reach modules, once for each link from them."""
     plan = trial.executor.plan
     for link in trial.executor.links:
-        # A suppressor's commands leave by the Gate.
-        after = plan.control_out[link.client] if link.kind == "suppress" else [link]
+        after = [link]
+        for each in after:  # the loop appends to it
+            if each.kind in ("control", "suppress") and plan.is_node(each.client):
+                after += (k for k in plan.control_out[each.client] if k not in after)
         if plan.kind(link.source) == "control_out" and any(
-            each.kind == "control" and plan.targets_of(each) for each in after
+            each.kind == "control" and not plan.is_node(each.client) for each in after
         ):
             yield link.source
