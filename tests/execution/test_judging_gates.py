@@ -99,7 +99,7 @@ def test_gates_are_judged_wherever_there_are_side_lines() -> None:
 def test_a_limiter_without_control_sends_no_commands_to_modules() -> None:
     devices = BASE + HAND + HAND.replace("devices.C", "devices.L") + BUMPER
     assert {*speakers(trial(devices, BOUNDED))} == {"C"}
-    # Behind a Gate of its own, a suppressor is one.
+    # A suppressor with a Gate of its own sends commands to modules.
     lines = BOUNDED.replace("Gate1\nP", "Gate1, Gate2\nP").splitlines()
     lines[3:4] = ["ArbitrationNode is_controlled_by Gate2 1", "Gate2 is_controlled_by C"]
     lines[-1] = "Gate2 is_suppressed_by Gate1 50"
