@@ -81,13 +81,12 @@ def links_json(trial: "Trial") -> list[dict[str, Any]]:
 
     rates = {each.number: each.hz for each in promises(trial)}
     now = trial.executor.schedule.now
-    links = trial.executor.links
     # Without lines of gates, resets, locks and limits, the kind is evident.
-    sided = any(link.kind not in ("data", "control") for link in links)
+    sided = trial.executor.plan.sided
     return [
         ({"kind": link.kind} if sided else {})
         | _link_json(trial, link, rates.get(number, 1e9 * link.before(Fraction(now)) / now))
-        for number, link in enumerate(links)
+        for number, link in enumerate(trial.executor.links)
     ]
 
 
@@ -116,10 +115,14 @@ def _failures_json(name: str, failures: "Failures") -> dict[str, object]:
 
 
 def speakers(trial: "Trial") -> Iterator[str]:
-    """Yield the controllers that send commands, once for each link from them."""
-    links, plan = trial.executor.links, trial.executor.plan
-    return (
-        link.source
-        for link in links
-        if link.kind in ("control", "suppress") and plan.kind(link.source) == "control_out"
-    )
+    """Yield the controllers whose commands reach modules, once for each link from them."""
+    plan = trial.executor.plan
+    for link in trial.executor.links:
+        after = [link]
+        for each in after:  # the loop appends to it
+            if each.kind in ("control", "suppress") and plan.is_node(each.client):
+                after += (k for k in plan.control_out[each.client] if k not in after)
+        if plan.kind(link.source) == "control_out" and any(
+            each.kind == "control" and not plan.is_node(each.client) for each in after
+        ):
+            yield link.source

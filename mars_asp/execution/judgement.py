@@ -43,7 +43,7 @@ ALWAYS = {
     "commanded functions exist": "missing_function",
     "no module failed": "module_failure",
 }
-#: The requirement of all runs with Gates, with the kind of consequence that violates it.
+#: The requirement of runs with gate, lock, limit or reset lines, with the kind that violates it.
 GATED = {"gates respected": "gate_breach"}
 #: The kinds of consequences by which `reasons_of` explains a run.
 REASONS = ("gate_passage", "gate_loss", "lock_stop")
@@ -160,17 +160,20 @@ def judge(trial: Trial, rulebook: Rulebook | None = None) -> Judgement:
     project = with_brought(Project(plan.configuration, plan.modules, ()), rulebook.brought)
     wanted = frozenset(each.name for each in _configuration_signatures(rulebook))
     facts = (*run_facts(trial), *project_facts(project, wanted=wanted))
-    return judge_facts(facts, tuple(_judged_parts(trial)), rulebook, trial.scenario.span)
+    requested = tuple(_judged_parts(trial))
+    return judge_facts(facts, requested, rulebook, trial.scenario.span, plan.sided)
 
 
 def judge_facts(
-    facts: Iterable[Fact], requested: Sequence[str], rulebook: Rulebook, span: Span
+    facts: Iterable[Fact], requested: Sequence[str], rulebook: Rulebook, span: Span, sided: bool
 ) -> Judgement:
-    """Return the judgement of facts of a run; `requested` are the scenario's requirements."""
+    """Return the judgement of facts of a run; `requested` are the scenario's requirements.
+
+    The run is `sided` if it has lines to Gates, locks, limits or resets.
+    """
     facts = tuple(facts)
     analysis = analyse(facts, rulebook, span)
-    gated = GATED if any(fact.atom.name == "closes" for fact in facts) else {}
-    named = {**ALWAYS, **gated, **{name: ON_REQUEST[name] for name in requested}}
+    named = {**ALWAYS, **(GATED if sided else {}), **{name: ON_REQUEST[name] for name in requested}}
     # Each kind of consequence of a pack is a requirement with its name.
     built_in = {*ALWAYS.values(), *GATED.values(), *ON_REQUEST.values(), *UNDECIDED.values()}
     built_in |= {*WARNINGS, *REASONS}

@@ -5,6 +5,7 @@ from typing import Any, cast
 
 import pytest
 
+from mars_asp.cli.run_json import speakers
 from mars_asp.diagnostic import point
 from mars_asp.execution.executor import arbitration, bounds, gate
 from mars_asp.execution.gate_facts import gate_facts
@@ -13,6 +14,7 @@ from mars_asp.execution.trial import Trial
 from tests.execution.test_timeline import finished_run
 from tests.support.campaigns import seeds
 from tests.support.fixtures import Patch
+from tests.support.trials import BASE, DRIVE, HAND, trial, verdicts
 
 #: The first seeds show each of the faults.
 FIRST = 12
@@ -22,7 +24,7 @@ def violated(seed: int) -> set[str]:
     """Return the names of the violated requirements of a random run."""
     run = cast(Trial, SimpleNamespace(executor=finished_run(seed)))
     facts = [*gate_facts(run), *_control(run)]
-    found = judge_facts(facts, (), run_rulebook(), point("run", 1, 1))
+    found = judge_facts(facts, (), run_rulebook(), point("run", 1, 1), True)
     return {each.name for each in found.requirements if each.holds is False}
 
 
@@ -71,3 +73,34 @@ def test_faults_of_the_executor_are_found(fault: str, monkeypatch: Patch) -> Non
     owner, name, wrong, requirement = FAULTS[fault]
     monkeypatch.setattr(owner, name, wrong)
     assert any(requirement in violated(seed) for seed in range(FIRST))
+
+
+BOUNDED = """\
+@specification
+@modules P, C, L, S, ArbitrationNode, Gate1
+P is_controlled_by ArbitrationNode
+ArbitrationNode is_controlled_by C 1
+Gate1 is_controlled_by L
+Gate1 is_inhibited_by S 100
+ArbitrationNode is_limited_by Gate1
+"""
+LOCKED = DRIVE.replace("C\nP is_controlled_by C", "C, S, ArbitrationNode") + (
+    "P is_controlled_by ArbitrationNode\nArbitrationNode is_controlled_by C 1\n"
+    "ArbitrationNode is_locked_by S\n"
+)
+BUMPER = '[devices.S]\nkind = "bumper"\n'
+
+
+def test_gates_are_judged_wherever_there_are_side_lines() -> None:
+    assert verdicts(trial(BASE + HAND + BUMPER, LOCKED))["gates respected"] is True
+    assert "gates respected" not in verdicts(trial(BASE + HAND))
+
+
+def test_a_limiter_without_control_sends_no_commands_to_modules() -> None:
+    devices = BASE + HAND + HAND.replace("devices.C", "devices.L") + BUMPER
+    assert {*speakers(trial(devices, BOUNDED))} == {"C"}
+    # A suppressor with a Gate of its own sends commands to modules.
+    lines = BOUNDED.replace("Gate1\nP", "Gate1, Gate2\nP").splitlines()
+    lines[3:4] = ["ArbitrationNode is_controlled_by Gate2 1", "Gate2 is_controlled_by C"]
+    lines[-1] = "Gate2 is_suppressed_by Gate1 50"
+    assert {*speakers(trial(devices, "\n".join(lines)))} == {"C", "L"}

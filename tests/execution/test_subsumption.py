@@ -83,7 +83,7 @@ def test_a_suppressor_that_answers_itself_without_end_ends_the_run() -> None:
         streamed(FEEDBACK, {"Map": {"0": 3}}, 0.1, {"Answer": lambda x: x + 1})
 
 
-def test_a_false_is_recorded_as_the_end_of_what_it_ends() -> None:
+def test_a_false_is_recorded_where_it_opens_a_gate() -> None:
     lines = "Gate1 uses_data_from Map\nGate1 is_inhibited_by Quiet 100\nView uses_data_from Gate1"
     text = f"@specification\n@modules Map, Quiet, View, Gate1\n{lines}\n"
     truths = iter([False, True, False, False])

@@ -33,13 +33,7 @@ from mars_asp.execution.executor.nodes import (
     InheritanceNode,
 )
 from mars_asp.execution.executor.plan import FORWARDING, Plan
-from mars_asp.execution.executor.schedule import (
-    DATA,
-    MILLISECOND,
-    SECOND,
-    EndlessInstantError,
-    Schedule,
-)
+from mars_asp.execution.executor.schedule import DATA, MILLISECOND, SECOND, EndlessError, Schedule
 from mars_asp.model.cycles import knots
 from mars_asp.model.declarations import Configuration, Module
 from mars_asp.model.names import end
@@ -131,7 +125,7 @@ class Executor:
         """
         try:
             self.schedule.step_until(time)
-        except EndlessInstantError:
+        except EndlessError:
             raise MarsError([_endless(self.plan, self.schedule.now)]) from None
 
     def finish(self) -> None:
@@ -514,9 +508,7 @@ def _endless(plan: Plan, now: int) -> Diagnostic:
     links = [*busy, *inner]
     edges = ((link.source, link.client, number) for number, link in enumerate(links))
     walk = [links[edge[2]] for knot in knots(edges)[:1] for edge in knot.walk]
-    lines = [
-        k for k in walk if k in busy and not (plan.is_node(k.source) and plan.is_node(k.client))
-    ]
+    lines = [link for link in walk if link in busy and link.span != plan.configuration.span]
     names = listing([f"`{k.source}`" for k in walk if not plan.is_node(k.source)])
     message = (
         f"the messages of {names or 'the run'} never end within the instant {now / SECOND:g} s"

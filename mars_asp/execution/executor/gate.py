@@ -102,7 +102,9 @@ class Gate:
     def close(self, trigger: Trigger, message: Message) -> None:
         """Close the line from now on; the message of a suppressor passes."""
         now, link = self.schedule.now, trigger.link
-        if trigger.returns and self._came_round(trigger, message):
+        passed = self.passed if self.now == now and link.kind == "suppress" else ()
+        if trigger.returns and (message.origin, message.time) in passed:
+            # It would go round without end.
             link.dropped["suppressed"] += 1
             return
         before = trigger.until
@@ -115,12 +117,6 @@ class Gate:
         elif trigger.until > now:
             self.inhibited = True
         self._wait()
-
-    def _came_round(self, trigger: Trigger, message: Message) -> bool:
-        """Whether a suppressor's message passed in this instant: it would pass without end."""
-        if self.now != self.schedule.now or trigger.link.kind != "suppress":
-            return False
-        return (message.origin, message.time) in self.passed
 
     def _wait(self) -> None:
         if all(trigger.in_circle for trigger in self.triggers):

@@ -84,7 +84,7 @@ class Plan:
         #: With lines to sides: the depth of each name among commands, -1 for data, and its circle.
         self.stages: dict[str, int] = {}
         self.circles: dict[str, int] = {}
-        if any(self.side_in.values()) or self.inner:
+        if self.sided or self.inner:
             self._order_sides()
 
     def _add(self, relationship: Relationship) -> None:
@@ -149,6 +149,11 @@ class Plan:
         for client in clients:
             link = Link("data", source, client, self.modules[client].span)
             self.inner[client].append(link)
+
+    @property
+    def sided(self) -> bool:
+        """Whether lines end at the sides of Gates, arbiters or modules."""
+        return any(self.side_in.values())
 
     def is_reset(self, name: str) -> bool:
         """Whether lines reset a module."""

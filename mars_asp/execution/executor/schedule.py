@@ -30,7 +30,7 @@ class Clock:
         self.actions: list[Action] = []
 
 
-class EndlessInstantError(Exception):
+class EndlessError(Exception):
     """An instant has more than the maximal number of events."""
 
 
@@ -107,7 +107,7 @@ class Schedule:
         """Run the events of the present instant by rank until none is left.
 
         Raises:
-            EndlessInstantError: there are more than `most_events`.
+            EndlessError: there are more than `most_events`.
         """
         rank, most = 0, self.events + self.most_events
         while rank < len(self._queues):
@@ -122,5 +122,5 @@ class Schedule:
                     action()
                 self.events += len(actions)
                 if self.events > most:
-                    raise EndlessInstantError
+                    raise EndlessError
             rank = 0
