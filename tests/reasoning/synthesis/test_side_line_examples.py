@@ -95,6 +95,21 @@ EXAMPLES = {
         driven("hierarchical", *BOTH_HIERARCHICAL, "W is_locked_by E"),
         (3, 0, 7),
     ),
+    "number as a lock": (
+        robot(
+            "@configuration\nW is_controlled_by A\nW is_locked_by E",
+            *(WHEELS[0], DRIVERS[0], "E: Num e();", "Cv: @Converts 1\nbool cv(Num v);"),
+        ),
+        (2, 1, 4),
+    ),
+    "converted suppressor": (
+        robot(
+            "@configuration\nA uses_data_from Map\nMap is_suppressed_by Over 20",
+            *("Map: Grid map();", "Over: Pic over();", "A: @DataIn\nvoid a(Grid x);"),
+            "Cv: @Converts 2\nGrid cv(Pic v);",
+        ),
+        (2, 2, 4),
+    ),
 }
 READ_BACK = {
     **{name: text for name, (text, _) in EXAMPLES.items()},
