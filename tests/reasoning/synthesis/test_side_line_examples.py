@@ -68,6 +68,16 @@ def driven(architecture: str, *lines: str) -> str:
     return robot(head, *WHEELS, *DRIVERS, LOCK)
 
 
+def stacked(accepted: str) -> str:
+    """Return a configuration in which Panic suppresses the suppressor of Map, with another type."""
+    return robot(
+        "@configuration\nA uses_data_from Map\nMap is_suppressed_by Over 200\n"
+        "Over is_suppressed_by Panic 100",
+        *("Map: Grid map();", "Over: Grid over();", "Panic: Pic panic();"),
+        *(f"A: @DataIn\nvoid a({accepted} x);", "Cv: @Converts 2\nPic cv(Grid v);"),
+    )
+
+
 BOTH_HIERARCHICAL = "W is_arbitrated_by hierarchical", "V is_arbitrated_by hierarchical"
 #: Configurations and their costs: nodes, conversions, relationships.
 EXAMPLES = {
@@ -110,6 +120,8 @@ EXAMPLES = {
         ),
         (2, 2, 4),
     ),
+    "converted before the Gate of a suppressor": (stacked("Pic"), (4, 4, 7)),
+    "abstract before the Gate of a suppressor": (stacked("Grid"), (3, 0, 6)),
 }
 READ_BACK = {
     **{name: text for name, (text, _) in EXAMPLES.items()},
