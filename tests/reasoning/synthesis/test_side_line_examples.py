@@ -78,6 +78,15 @@ def stacked(accepted: str) -> str:
     )
 
 
+def at_input(mode: str, accepted: str, offers: str = "NotifyWhenReady") -> str:
+    """Return a configuration in which Over suppresses an input, whose client requires a mode."""
+    return robot(
+        f"@configuration\nA uses_data_from Map {mode}\nA.x is_suppressed_by Over 20",
+        *(f"Map: @Sense {offers}\nGrid map();", "Over: Grid over();"),
+        *(f"A: @DataIn\nvoid a({accepted} x);", "Cv: @Converts 2\nNum cv(Grid v);"),
+    )
+
+
 BOTH_HIERARCHICAL = "W is_arbitrated_by hierarchical", "V is_arbitrated_by hierarchical"
 #: Configurations and their costs: nodes, conversions, relationships.
 EXAMPLES = {
@@ -122,6 +131,7 @@ EXAMPLES = {
     ),
     "converted before the Gate of a suppressor": (stacked("Pic"), (4, 4, 7)),
     "abstract before the Gate of a suppressor": (stacked("Grid"), (3, 0, 6)),
+    "condition behind a conversion": (at_input("NotifyOnValue(30)", "Num"), (4, 4, 6)),
 }
 READ_BACK = {
     **{name: text for name, (text, _) in EXAMPLES.items()},
