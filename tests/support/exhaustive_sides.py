@@ -35,7 +35,7 @@ from tests.support.exhaustive import (
     reach,
     voices,
 )
-from tests.support.subsumes import Output, Sorts, Triggers, gated_end
+from tests.support.subsumes import Output, Sorts, Triggers, choice_of, gated_end
 
 BOOL = "bool"
 
@@ -77,6 +77,7 @@ class _Search:
         known = {**modules, **{m.name: m for m in configuration.declared}}
         self.lines = list(dict.fromkeys(configuration.relationships))
         self.sorts = Sorts(self.lines)
+        self.configuration = configuration
         self.flat = configuration.architecture == "flat"
         self.known = known
         self.converters: list[Converter] = [
@@ -245,6 +246,8 @@ class _Search:
             named = strategy_lines[0].strategy if strategy_lines else None
             strategy = named or ("flat" if self.flat else "hierarchical")
             ordered = strategy == "hierarchical"
+            default = choice_of(None, self.configuration)
+            choices = [choice_of(each, self.configuration) for each in strategy_lines]
             levels: dict[int, set[Voice]] = {}
             ranks: dict[Voice, int] = {}
             for line in lines.values():
@@ -261,10 +264,12 @@ class _Search:
                 )
                 if isinstance(line, Lock) and line.priority is not None and ordered:
                     below.append(frozenset(v for v, r in ranks.items() if r < line.priority))
-            bounds += [(each.strategy, each.period_ms) for each in strategy_lines]
+            # An order is known by its levels, the strategy of the file by no line.
+            bounds += [choice for choice in choices if choice != default and not ordered]
             if strategy == "weighted":
                 bounds.append(frozenset(ranks.items()))
-            key = frozenset(bounds) if bounds else None
+            lone = bool(strategy_lines) and len(ranks) == 1
+            key = frozenset(bounds) if bounds or lone else None
             found[module] = Signal(order, tuple(sorted(below, key=repr)), key, ordered)
         return found
 
@@ -313,7 +318,11 @@ def wired(
     choices = []
     for signal in arbiters:
         allowed = set(inner_parts(signal))
-        inner = [a for a in arbiters if a.bounds is None and a != signal and a.order in allowed]
+        inner = [
+            a
+            for a in arbiters
+            if a.ordered and a.bounds is None and a != signal and a.order in allowed
+        ]
         choices.append(
             [
                 taken

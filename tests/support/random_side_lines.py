@@ -87,15 +87,18 @@ def _bounds(
     alike = rng.random() < 0.5
     priority, hold = rng.choice(["", " 1", " 2"]), rng.choice(["", " hold 500"])
     lock, limiter = rng.choice(fed), rng.choice(steering)
-    strategy = rng.choice(["latest", "flat period 30", "weighted period 30", "hierarchical"])
+    mean = rng.choice(["flat", "weighted"])
+    strategies = ["latest", f"{mean} period 30", "hierarchical", mean, f"{mean} period 100"]
+    strategy = rng.choice(strategies)
     for wheel in wheels:
         if not alike:
             priority, lock = rng.choice(["", " 1", " 2"]), rng.choice(fed)
+            strategy = rng.choice(strategies)
         if rng.random() < 0.6:
             lines[f"{wheel} is_locked_by {lock}{priority}{hold}"] = None
         if rng.random() < 0.2:
             lines[f"{wheel} is_limited_by {limiter}"] = None
-        if rng.random() < 0.3:
+        if rng.random() < 0.4:
             lines[f"{wheel} is_arbitrated_by {strategy}"] = None
 
 

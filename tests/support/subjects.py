@@ -16,3 +16,9 @@ def read(text: str) -> Project:
 def synthesised(project: Project) -> Synthesis | None:
     analysis = analyse(project_facts(project), RULEBOOK, project.configuration.span)
     return synthesise(project, analysis, RULEBOOK)
+
+
+def alarms(project: Project) -> set[str]:
+    """Return the kinds of consequences that warn or stop."""
+    analysis = analyse(project_facts(project), RULEBOOK, project.configuration.span)
+    return {each.kind for each in analysis.consequences if each.severity != "note"}

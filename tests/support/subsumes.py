@@ -17,7 +17,6 @@ from mars_asp.model.declarations import (
     Lock,
     Reset,
     Strategy,
-    StrategyName,
     node_kind,
 )
 from mars_asp.model.ports import input_position
@@ -79,6 +78,15 @@ def weight_of(line: Control) -> int:
     return 1 if line.priority is None or line.listed else line.priority
 
 
+def choice_of(line: Strategy | None, configuration: Configuration) -> tuple[str, int | None]:
+    """Return how an arbiter chooses, by a line or by the file, and the period of its mean."""
+    strategy = configuration.architecture if line is None else line.strategy
+    if strategy not in ("flat", "weighted"):
+        return strategy, None
+    stated = None if line is None else line.period_ms
+    return strategy, stated or configuration.period_ms or 100
+
+
 def gated_end(line: Gating, sorts: Sorts, inputs: set[tuple[str, str]]) -> Output:
     """Return the gated output; that of an input has the sort `input`."""
     if line.port is not None:
@@ -108,7 +116,7 @@ class _Judge:
         self.lines = specification.relationships
         self.named = {name.text for name in specification.modules}
         declared = configuration.relationships
-        self.flat = configuration.architecture == "flat"
+        self.configuration = configuration
         self.meant = Sorts(declared)
         self.sorts = Sorts(self.lines, self.meant)
         self.declared = declared
@@ -329,7 +337,7 @@ class _Judge:
             if isinstance(line, Limit) and line.controlled == module
         }
         strategies = {
-            (line.strategy, line.period_ms)
+            choice_of(line, self.configuration)
             for line in self.declared
             if isinstance(line, Strategy) and line.controlled == module
         }
@@ -345,12 +353,13 @@ class _Judge:
         if len(lasts) > 1 or (needs_one and None in lasts):
             refuse(7, f"{lasts} before {module}")
         (last,) = lasts
-        strategy = next((name for name, _ in strategies), "flat" if self.flat else "hierarchical")
+        choice = next(iter(strategies), choice_of(None, self.configuration))
+        strategy = choice[0]
         if last is None:
             if {way[0].hold_ms for way in ways.values()} != {hold for _, hold in wanted.values()}:
                 raise UnsaidError(f"a hold where nothing arbitrates for {module}")
             return
-        self.at_arbiter(last, locks, limits, strategies)
+        self.at_arbiter(last, locks, limits, choice)
         for name, way in inside.items():
             holds = [k.hold_ms for k in way]
             if any(hold is not None for hold in holds[:-1]):
@@ -359,6 +368,7 @@ class _Judge:
                 refuse(2, f"the hold of {name} at {module}")
             if strategy != "hierarchical" and len(way) > 1:
                 refuse(7, f"{name} reaches {module} through {way}")
+            self.at_runs(way[1:], choice)
             if not needs_one and len(way) > 1:
                 raise UnsaidError("an arbiter of one controller")
         if strategy == "weighted":
@@ -380,7 +390,7 @@ class _Judge:
         last: str,
         locks: set[tuple[Output, int | None, int | None]],
         limits: set[tuple[Output, int | None]],
-        strategies: set[tuple[StrategyName, int | None]],
+        choice: tuple[str, int | None],
     ) -> None:
         """Compare the bounds and strategy that an arbiter has with the wanted ones."""
         mine = [line for line in self.lines if getattr(line, "controlled", None) == last]
@@ -394,9 +404,26 @@ class _Judge:
             for line in mine
             if isinstance(line, Limit)
         )
-        has = Counter((s.strategy, s.period_ms) for s in mine if isinstance(s, Strategy))
-        if (has_locks, has_limits, has) != (Counter(locks), Counter(limits), Counter(strategies)):
-            refuse(7, f"{last} has {has_locks} {has_limits} {has}")
+        if (has_locks, has_limits) != (Counter(locks), Counter(limits)):
+            refuse(7, f"{last} has {has_locks} {has_limits}")
+        if self.choice_at(last) != choice:
+            refuse(7, f"{last} chooses by {self.choice_at(last)}")
+
+    def at_runs(self, way: list[Control], choice: tuple[str, int | None]) -> None:
+        """Refuse a run that chooses otherwise than the last arbiter, or has bounds."""
+        for run in (line.controlled for line in way):
+            if self.choice_at(run) != choice:
+                refuse(7, f"{run} chooses by {self.choice_at(run)}")
+            if any(isinstance(s, Lock | Limit) and s.controlled == run for s in self.lines):
+                refuse(7, f"{run} bounds what it hands on")
+
+    def choice_at(self, arbiter: str) -> tuple[str, int | None]:
+        stated = [s for s in self.lines if isinstance(s, Strategy) and s.controlled == arbiter]
+        choices = {choice_of(each, self.configuration) for each in stated}
+        choices |= set() if stated else {choice_of(None, self.configuration)}
+        if len(choices) > 1:
+            raise UnsaidError(f"several strategies of {arbiter}")
+        return choices.pop()
 
     def in_order(
         self,

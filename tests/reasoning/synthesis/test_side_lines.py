@@ -4,7 +4,8 @@
 
 tries as many random configurations of each part: `cost` and `typed` (the exhaustive search finds
 the same least cost, and the judge accepts what is synthesised), `verify` (the judge accepts and
-refuses the same changed specifications as `verify`).
+refuses the same changed specifications as `verify`), `again` (a printed specification is its own
+specification).
 """
 
 import random
@@ -13,13 +14,14 @@ from collections.abc import Callable, Sequence
 
 import pytest
 
+from mars_asp.language import print_configuration
 from mars_asp.reasoning.verification import verify
 from tests.reasoning.synthesis.test_exhaustive import cost_of
 from tests.support.campaigns import seeds
 from tests.support.exhaustive_sides import least_cost_with_sides
 from tests.support.random_side_lines import changed, random_side_lines
 from tests.support.realises import UnsaidError
-from tests.support.subjects import RULEBOOK, read, synthesised
+from tests.support.subjects import RULEBOOK, alarms, read, synthesised
 from tests.support.subsumes import subsumption_violation
 
 CHANGES = 4
@@ -64,10 +66,33 @@ def compare_verify(seed: int) -> str | None:
     return "; ".join(differences) or None
 
 
+def compare_again(text: str) -> str | None:
+    """Return the difference when the specification of a text is read back, or None."""
+    configured = read(text)
+    found = synthesised(configured)
+    if found is None:
+        return None
+    printed = print_configuration(found.specification.configuration)
+    blocks = text[text.find("@module_start") :] if "@module_start" in text else ""
+    project = read(printed + blocks)
+    again = synthesised(project)
+    if again is None:
+        return f"nothing realises\n{printed}"
+    specification = again.specification.configuration
+    violations = verify(specification, project, RULEBOOK)
+    if violations:
+        return f"verify: {violations[0].message}\n{printed}"
+    if (reprinted := print_configuration(specification)) != printed:
+        return f"{printed}is read back as\n{reprinted}"
+    new = alarms(project) - alarms(configured)
+    return f"new findings: {', '.join(new)}\n{printed}" if new else None
+
+
 PARTS: dict[str, Callable[[int], str | None]] = {
     "cost": compare_cost,
     "typed": lambda seed: compare_cost(seed, typed=True),
     "verify": compare_verify,
+    "again": lambda seed: compare_again(random_side_lines(seed, typed=seed % 2 == 1)),
 }
 
 
