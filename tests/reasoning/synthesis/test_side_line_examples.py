@@ -132,6 +132,18 @@ EXAMPLES = {
     "converted before the Gate of a suppressor": (stacked("Pic"), (4, 4, 7)),
     "abstract before the Gate of a suppressor": (stacked("Grid"), (3, 0, 6)),
     "condition behind a conversion": (at_input("NotifyOnValue(30)", "Num"), (4, 4, 6)),
+    "pull behind a Gate": (at_input("RequestWhenReady", "Grid"), (2, 0, 4)),
+    "pull behind a Gate though offered": (
+        at_input("RequestWhenReady", "Grid", "RequestWhenReady, NotifyWhenReady"),
+        (2, 0, 4),
+    ),
+    "pull behind the Gate of an output": (
+        at_input("RequestWhenReady", "Grid", "RequestWhenReady, NotifyWhenReady").replace(
+            "A.x is_sup", "Map is_sup"
+        ),
+        (2, 0, 4),
+    ),
+    "pull behind a Gate and a conversion": (at_input("RequestWhenReady", "Num"), (3, 2, 5)),
 }
 READ_BACK = {
     **{name: text for name, (text, _) in EXAMPLES.items()},
