@@ -12,7 +12,7 @@ from mars_asp.reasoning.verification import verify
 from tests.reasoning.synthesis.test_exhaustive import cost_of
 from tests.reasoning.synthesis.test_side_lines import compare_again
 from tests.reasoning.test_verification import written
-from tests.support.subjects import RULEBOOK, read, synthesised
+from tests.support.subjects import RULEBOOK, alarms, read, synthesised
 
 ROOT = Path(__file__).parents[3]
 BLOCK = "@module_start\n@module_name {}\n{}\n@module_end\n"
@@ -189,3 +189,8 @@ def test_a_run_in_a_flat_file_states_its_strategy() -> None:
     without = replace(specification, relationships=tuple(each for each in lines if each != run))
     violated = {each.rule.id for each in verify(without, project, RULEBOOK)}
     assert "verify/bounds/run-strategy" in violated
+
+
+def test_a_gate_that_passes_what_its_suppressor_delivers_needs_no_conversion() -> None:
+    project = read(stacked("Pic"))
+    assert not alarms(project)
