@@ -12,7 +12,7 @@ from mars_asp.reasoning.verification import verify
 from tests.reasoning.synthesis.test_exhaustive import cost_of
 from tests.reasoning.synthesis.test_side_lines import compare_again
 from tests.reasoning.test_verification import written
-from tests.support.subjects import RULEBOOK, read, synthesised
+from tests.support.subjects import RULEBOOK, alarms, read, synthesised
 
 ROOT = Path(__file__).parents[3]
 BLOCK = "@module_start\n@module_name {}\n{}\n@module_end\n"
@@ -132,6 +132,18 @@ EXAMPLES = {
     "converted before the Gate of a suppressor": (stacked("Pic"), (4, 4, 7)),
     "abstract before the Gate of a suppressor": (stacked("Grid"), (3, 0, 6)),
     "condition behind a conversion": (at_input("NotifyOnValue(30)", "Num"), (4, 4, 6)),
+    "pull behind a Gate": (at_input("RequestWhenReady", "Grid"), (2, 0, 4)),
+    "pull behind a Gate though offered": (
+        at_input("RequestWhenReady", "Grid", "RequestWhenReady, NotifyWhenReady"),
+        (2, 0, 4),
+    ),
+    "pull behind the Gate of an output": (
+        at_input("RequestWhenReady", "Grid", "RequestWhenReady, NotifyWhenReady").replace(
+            "A.x is_sup", "Map is_sup"
+        ),
+        (2, 0, 4),
+    ),
+    "pull behind a Gate and a conversion": (at_input("RequestWhenReady", "Num"), (3, 2, 5)),
 }
 READ_BACK = {
     **{name: text for name, (text, _) in EXAMPLES.items()},
@@ -177,3 +189,8 @@ def test_a_run_in_a_flat_file_states_its_strategy() -> None:
     without = replace(specification, relationships=tuple(each for each in lines if each != run))
     violated = {each.rule.id for each in verify(without, project, RULEBOOK)}
     assert "verify/bounds/run-strategy" in violated
+
+
+def test_a_gate_that_passes_what_its_suppressor_delivers_needs_no_conversion() -> None:
+    project = read(stacked("Pic"))
+    assert not alarms(project)
