@@ -83,8 +83,8 @@ def choice_of(line: Strategy | None, configuration: Configuration) -> tuple[str,
     strategy = configuration.architecture if line is None else line.strategy
     if strategy not in ("flat", "weighted"):
         return strategy, None
-    stated = None if line is None else line.period_ms
-    return strategy, stated or configuration.period_ms or 100
+    own = None if line is None else line.period_ms
+    return strategy, own or configuration.period_ms or 100
 
 
 def gated_end(line: Gating, sorts: Sorts, inputs: set[tuple[str, str]]) -> Output:
@@ -418,9 +418,9 @@ class _Judge:
                 refuse(7, f"{run} bounds what it hands on")
 
     def choice_at(self, arbiter: str) -> tuple[str, int | None]:
-        stated = [s for s in self.lines if isinstance(s, Strategy) and s.controlled == arbiter]
-        choices = {choice_of(each, self.configuration) for each in stated}
-        choices |= set() if stated else {choice_of(None, self.configuration)}
+        lines = [s for s in self.lines if isinstance(s, Strategy) and s.controlled == arbiter]
+        choices = {choice_of(each, self.configuration) for each in lines}
+        choices |= set() if lines else {choice_of(None, self.configuration)}
         if len(choices) > 1:
             raise UnsaidError(f"several strategies of {arbiter}")
         return choices.pop()

@@ -172,8 +172,8 @@ def test_cost_of_an_example(text: str, cost: tuple[int, int, int]) -> None:
     found = synthesised(project)
     assert found is not None
     assert cost_of(found) == cost
-    stated = written(found.specification.configuration, project)
-    assert tuple(stated.get(level, 0) for level in (NODES, CONVERSION, RELATIONSHIPS)) == cost
+    counted = written(found.specification.configuration, project)
+    assert tuple(counted.get(level, 0) for level in (NODES, CONVERSION, RELATIONSHIPS)) == cost
 
 
 def test_a_run_in_a_flat_file_states_its_strategy() -> None:
@@ -191,6 +191,6 @@ def test_a_run_in_a_flat_file_states_its_strategy() -> None:
     assert "verify/bounds/run-strategy" in violated
 
 
-def test_a_gate_that_passes_what_its_suppressor_delivers_needs_no_conversion() -> None:
+def test_a_gate_passes_the_representation_of_its_suppressor() -> None:
     project = read(stacked("Pic"))
     assert not alarms(project)
