@@ -146,9 +146,9 @@ def test_every_rule_has_a_golden_trace(stage: str, update_golden: bool) -> None:
     rules = speaking(stage)
     files = sorted({golden_of(rule) for rule in rules})
     some = files if update_golden else sample(files, 3)
-    told = named_in(some) if not update_golden else {}
+    explained = {} if update_golden else named_in(some)
     chosen = [rule for rule in rules if golden_of(rule) in some]
-    for rule, text in goldens(stage, chosen, told):
+    for rule, text in goldens(stage, chosen, explained):
         by_file.setdefault(golden_of(rule), []).append((rule.span.line, text))
     for golden, found in by_file.items():
         text = "\n\n".join(item for _, item in sorted(found)) + "\n"
