@@ -33,10 +33,7 @@ from mars_asp.reasoning.synthesis.synthesise import Synthesis
 #: The levels of the cost, highest first.
 _LEVELS = tuple(level for level in COSTS.values() if level >= COST_LEVEL)
 #: Derived for each relationship that counts.
-_COUNTED = (
-    *(("link", 3), ("commanded", 3), ("acts", 5)),
-    *(("resets", 3), ("locks", 3), ("limits", 3)),
-)
+_COUNTED = (("link", 3), ("commanded", 3), ("acts", 5), ("acts_on", 4))
 #: At most this many conversions are named.
 MOST_CONVERSIONS = 5
 #: For each component with another answer, in order, its number and that of the answer.
