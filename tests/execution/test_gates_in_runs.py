@@ -72,11 +72,11 @@ def test_a_gate_and_a_lock_are_judged_listed_recorded_and_explained(
         "`View` got a message of `Over` at 0.15 s: `Over` spoke at 0.15 s and suppresses `Map` for"
         " 200 ms [run/gates/suppressor] r.mars:4",
         "`Base` stopped at 1.4 s: `EStop`, which locks below 200, had been silent for 0.5 s"
-        " [run/gates/silent-below] r.mars:9",
+        " [run/gates/silent] r.mars:9",
         "`View` did not get 4 of `Map` from 0.35 s to 0.5 s: `Over` spoke at 0.35 s and suppresses"
-        " `Map` for 200 ms [run/gates/suppressed] r.mars:4",
+        " `Map` for 200 ms [run/gates/closed] r.mars:4",
         "`View` did not get 5 of `Map` from 0.6 s to 0.8 s: `Quiet` spoke from 0.6 s to 0.7 s, and"
-        " each time inhibits `Map` for 150 ms [run/gates/inhibited-repeatedly] r.mars:5",
+        " each time inhibits `Map` for 150 ms [run/gates/closed-repeatedly] r.mars:5",
     ):
         assert line in output
     events = [json.loads(line) for line in Path("r.jsonl").read_text().splitlines()]
