@@ -135,7 +135,6 @@ def test_savings_by_sharing_are_found_by_solving(name: str, price: str | None) -
 #: Sentences about strategies and locks that no case speaks yet. The list may only shrink.
 UNSPOKEN = {
     "account/findings/latest-wins-by-strategy",
-    "account/findings/contested-over-lines-by-strategy",
     "account/capability/stopped",
     "account/capability/stopped-line",
 }
