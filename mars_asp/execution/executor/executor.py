@@ -251,15 +251,14 @@ class Executor:
             own = frozenset() if led is None else plan.inheriting.functions(led)
             providers = plan.providers(name)
             functions = {provider: plan.inheriting.functions(provider) for provider in providers}
-            carrying = plan.carrying(name, self._position)
+            effectors = self.effectors
+            carrying = plan.carrying(
+                name, lambda module: effectors[module].position() if module in effectors else {}
+            )
             return InheritanceNode(
                 providers, functions, carrying, plan.inheriting.allocation(name), own
             )
         return ControlSplitter(plan.control_out[name])
-
-    def _position(self, name: str) -> Mapping[str, float]:
-        """Return the values of the motions of a module in degrees and mm."""
-        return self.effectors[name].position() if name in self.effectors else {}
 
     def _algorithm(self, name: str, kind: str, behaviour: Behaviour) -> Algorithm:
         hz = self._clock(name)
@@ -330,9 +329,8 @@ class Executor:
         )
 
     def _converter(self, name: str) -> Behaviour:
-        for conversion in self.plan.configuration.conversions:
-            if conversion.transformer == name:
-                return self.plan.behaviours[conversion.converter or name]
+        if name in self.plan.conversions:
+            return self.plan.behaviours[self.plan.conversions[name].converter or name]
         return self.plan.behaviours.get(name) or Behaviour(lambda value: value)
 
     def _join(self, name: str) -> None:
@@ -393,7 +391,7 @@ class Executor:
         resetting = Resetting(
             plan.behaviours.get(name),
             [each for each in running if isinstance(each, Sensor | Algorithm)],
-            partial(self._renew_all, parts),
+            partial(self._renew, parts),
             done[0] if done else None,
             getattr(own, "failures", Failures()),
             self.schedule,
@@ -410,16 +408,12 @@ class Executor:
             elif element.completion is not done:
                 element.completion.following = done
 
-    def _renew_all(self, names: Sequence[str]) -> None:
-        for name in names:
-            self._renew(name)
-
-    def _renew(self, name: str) -> None:
-        """Restart the conditional modes of the outputs of a module, also after nodes."""
-        for link in self.plan.data_out[name]:
+    def _renew(self, names: Sequence[str]) -> None:
+        """Restart the conditional modes of the outputs of modules, also after nodes."""
+        for link in (link for name in names for link in self.plan.data_out[name]):
             link.renew()
             if link.kind == "data" and self.plan.kind(link.client) in FORWARDING:
-                self._renew(link.client)
+                self._renew([link.client])
 
     def _offer(self, name: str, link: Link) -> Offer:
         made, mode = self.plan.made(name), self.plan.carried(link)[0]
@@ -451,9 +445,8 @@ class Executor:
 
     def _side_receiver(self, element: Any, link: Link) -> Callable[[Message], None]:
         if isinstance(element, Gate):
-            late = link.stream == "control" and self.plan.stream(link.client) == "data"
-            boolean, in_circle = self.plan.is_boolean(link), self.plan.in_circle(link)
-            returns = self.plan.returns(link)
+            boolean, late = self.plan.is_boolean(link), self.plan.acts_late(link)
+            in_circle, returns = self.plan.in_circle(link), self.plan.returns(link)
             return element.trigger(Trigger(link, boolean, late, in_circle, returns))
         if isinstance(element, FlatArbitration | HierarchicalArbitration):
             return element.bounds.input(link)

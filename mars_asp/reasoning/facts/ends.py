@@ -12,12 +12,11 @@ from mars_asp.model.declarations import (
     Configuration,
     Data,
     Gating,
-    Limit,
-    Lock,
     Module,
     Relationship,
-    Reset,
     Service,
+    ends_of,
+    ports_of,
 )
 from mars_asp.model.names import end
 from mars_asp.model.ports import DELIVERING, Input, inputs, outputs
@@ -149,15 +148,9 @@ def ends_in(configuration: Configuration, described: Mapping[str, Module]) -> En
 def side_outputs(lines: Iterable[Relationship]) -> Iterator[tuple[str, str]]:
     """Yield the outputs that lines of gates, resets, locks and limits take, as module and port."""
     for line in lines:
-        match line:
-            case Gating(trigger_port=str(port)):
-                yield line.trigger, port
-            case (
-                Reset(source_port=str(port))
-                | Lock(source_port=str(port))
-                | Limit(source_port=str(port))
-            ):
-                yield line.source, port
+        port = ports_of(line)[1]
+        if port is not None and not isinstance(line, Data):
+            yield ends_of(line)[1], port
 
 
 def _is_input(
