@@ -175,8 +175,12 @@ class Grounding:
         self._steps = 0
         #: The atoms that are external, with their values.
         self.externals: dict[clingo.Symbol, bool | None] = {}
+        messages = self._messages
         self.control = clingo.Control(
-            [*_OPTIONS, *options], _noting(self._messages), _MOST_MESSAGES
+            [*_OPTIONS, *options],
+            # A method would keep its control alive, which Python's collector does not see as large.
+            lambda code, message: messages.append((code, message)),
+            _MOST_MESSAGES,
         )
         if not solved:
             self.control.register_observer(clingo.Observer(), replace=True)
@@ -448,10 +452,3 @@ def unsolved(program: Iterable[Fragment]) -> clingo.Control:
         control.add("base", [], joined(program))
         control.ground()
     return control
-
-
-def _noting(
-    messages: list[tuple[clingo.MessageCode, str]],
-) -> Callable[[clingo.MessageCode, str], None]:
-    # A method would keep its control alive, whose large data are invisible to Python's collector.
-    return lambda code, message: messages.append((code, message))

@@ -69,7 +69,7 @@ def import_rosgraph(files: Sequence[tuple[str, str]]) -> Parsed:
     if problems:
         raise MarsError(problems)
     graph = joined(graphs)
-    bound = replace(graph, nodes=(), muxes=_bound(muxes, graph))
+    bound = replace(graph, nodes=(), muxes=tuple(_mux(mux, _node_of(mux, graph)) for mux in muxes))
     configuration, further = configuration_of(joined((graph, bound)))
     if not configuration.modules:
         raise MarsError((_empty(files[0][1]),))
@@ -94,11 +94,6 @@ def _unknown(path: str) -> Diagnostic:
 
 
 # ---- Muxes with parameter files ------------------------------------------------------------------
-
-
-def _bound(muxes: Sequence[Mux], graph: Graph) -> tuple[Mux, ...]:
-    """Return muxes with the names of their nodes and topics in the graph."""
-    return tuple(_mux(mux, _node_of(mux, graph)) for mux in muxes)
 
 
 def _node_of(mux: Mux, graph: Graph) -> GraphNode | None:
