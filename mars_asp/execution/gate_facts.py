@@ -76,9 +76,8 @@ def _held(
         for begin, end in pairwise(time for time in changes if time <= until):
             silent = end
             if lock.link.hold is not None:
-                number = bisect_right(lock.times, begin)
-                # The end of the last message, if no other comes.
-                silent = max(begin, lock.times[number - 1] + lock.link.hold if number else 0)
+                before = lock.times[: bisect_right(lock.times, begin)]
+                silent = max(begin, before[-1] + lock.link.hold if before else 0)
             locked = begin if lock.at(begin) else silent
             if locked < end:
                 ends = milliseconds(locked), milliseconds(end)
