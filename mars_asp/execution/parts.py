@@ -24,7 +24,7 @@ from mars_asp.model.declarations import (
     Strategy,
     ends_of,
     ports_of,
-    with_ends,
+    with_source,
 )
 from mars_asp.model.ports import DELIVERING, inputs, outputs
 
@@ -100,7 +100,7 @@ def _from_part(
 
     Without a port, that is the module's command, or else its only output.
     """
-    (client, source), (_, port) = ends_of(line), ports_of(line)
+    source, port = ends_of(line)[1], ports_of(line)[1]
     if source not in split:
         return line
     own = split[source]
@@ -109,11 +109,7 @@ def _from_part(
         port = next(iter(own))
     if port not in own:
         return line
-    if isinstance(line, Gating):
-        line = replace(line, trigger_port=None)
-    else:
-        line = replace(line, source_port=None)
-    return with_ends(line, client, f"{source}.{port}")
+    return with_source(line, f"{source}.{port}", None)
 
 
 def _fed_parts(

@@ -156,12 +156,10 @@ class Grounding:
         program: Sequence[Fragment],
         initial: Mapping[Signature, Iterable[TermId]] = MappingProxyType({}),
         options: Sequence[str] = (),
-        solved: bool = True,
     ) -> None:
         """Ground rules and facts that leave nothing open, and state atoms of other groundings.
 
-        `options` are additional ones of clingo's command line. Without `solved` the program is
-        hidden from the solver, which is faster; then only decided literals and facts can be read.
+        `options` are additional ones of clingo's command line.
 
         Raises:
             MarsError: clingo refuses a rule, or the rules leave a choice.
@@ -182,8 +180,6 @@ class Grounding:
             lambda code, message: messages.append((code, message)),
             _MOST_MESSAGES,
         )
-        if not solved:
-            self.control.register_observer(clingo.Observer(), replace=True)
         self.add([*program, Fragment(_NOTHING_SHOWN, "rules")])
         self.state(initial)
         #: The signatures whose atoms are decided before any choice.
