@@ -139,36 +139,22 @@ def depict(
     """
     described = configuration.with_declared(modules)
     conversions = {found.transformer: found for found in configuration.conversions}
-    names = dict.fromkeys(name.text for name in configuration.modules)
-    for relationship in configuration.relationships:
-        names |= dict.fromkeys(_relationship_ends(relationship))
+    joined = {end: None for line in configuration.relationships for end in _relationship_ends(line)}
+    names = dict.fromkeys(name.text for name in configuration.modules) | joined
     introduces = configuration.kind == "specification"
     notes = dict(_gate_notes(configuration))
     strategies = dict(_strategies(configuration))
-    joined = {name for line in configuration.relationships for name in _relationship_ends(line)}
     unread = {name.text for name in configuration.opaque}
     commanding = frozenset(_commanding(configuration, described))
-    boxes = [
-        Box(
-            _one_line(name),
-            ", ".join(
-                filter(
-                    None,
-                    (
-                        notes.get(name, strategies.get(name)),
-                        _module_note(described.get(name), conversions.get(name), classes),
-                    ),
-                )
-            ),
-            *(
-                _node_look(name, configuration, commanding)
-                if introduces and name not in described
-                else (None, None, None)
-            ),
-            "" if name in joined else _reason(described.get(name), name in unread),
-        )
-        for name in names
-    ]
+    boxes = []
+    for name in names:
+        note = _module_note(described.get(name), conversions.get(name), classes)
+        words = (notes.get(name, strategies.get(name)), note)
+        alone = "" if name in joined else _reason(described.get(name), name in unread)
+        look: tuple[str | None, str | None, str | None] = (None, None, None)
+        if introduces and name not in described:
+            look = _node_look(name, configuration, commanding)
+        boxes.append(Box(_one_line(name), ", ".join(filter(None, words)), *look, alone))
     number = {name: index for index, name in enumerate(names)}
     lines = [
         _picture_line(relationship, number, described, notes, commanding)

@@ -215,7 +215,12 @@ def _facts(trial: Trial) -> Iterator[Fact]:
     yield from _control(trial)
     yield from gate_facts(trial)
     yield from _limits(trial)
-    yield from _functions(trial)
+    modules = trial.executor.plan.modules
+    for name in trial.executor.effectors:
+        for function in modules[name].functions if name in modules else ():
+            yield fact_at(function.span, "has_function", name, function.name)
+        for moved in trial.moves.get(name, ()):
+            yield seen("moves", name, moved)
     for name, failures in trial.executor.failures.items():
         first = failure_text(failures), failures.at // MILLISECOND
         yield seen("failed", name, failures.count, *first)
@@ -460,13 +465,3 @@ def _limits(trial: Trial) -> Iterator[Fact]:
         for function, rate in trial.limits.get(name, {}).items():
             place = places.get((name, function), trial.scenario.span)
             yield fact_at(place, "limit", name, function, rounded(rate * 1000))
-
-
-def _functions(trial: Trial) -> Iterator[Fact]:
-    """Yield facts with each effector's stated functions, and those of its device."""
-    modules = trial.executor.plan.modules
-    for name in trial.executor.effectors:
-        for function in modules[name].functions if name in modules else ():
-            yield fact_at(function.span, "has_function", name, function.name)
-        for moved in trial.moves.get(name, ()):
-            yield seen("moves", name, moved)

@@ -18,6 +18,10 @@ from mars_asp.exchange.unread import Unread, notes
 from mars_asp.language import Parsed
 from mars_asp.model.graph import Graph, GraphNode, Mux
 
+#: The help on an unknown file.
+_KNOWN = (
+    "give one of ROSDiscover, CARET, rqt_graph (.dot), `ros2 node info` or `ros2 topic info -v`"
+)
 _READERS: Mapping[str, Callable[[str, str], Dump]] = {
     "rosdiscover": read_rosdiscover,
     "caret": read_caret,
@@ -48,7 +52,8 @@ def import_rosgraph(files: Sequence[tuple[str, str]]) -> Parsed:
                 of_muxes.append((text, path))
                 continue
             if kind is None:
-                raise MarsError((_unknown(path),))
+                message, span = "this is not a known kind of graph dump", whole_file(path)
+                raise MarsError((Diagnostic("rosgraph", "error", message, span, help=_KNOWN),))
             dump = _READERS[kind](text, path)
         except MarsError as error:
             problems += error.diagnostics
@@ -82,14 +87,6 @@ def import_rosgraph(files: Sequence[tuple[str, str]]) -> Parsed:
 def _empty(path: str) -> Diagnostic:
     message = "no node has a topic that is read"
     help_text = "give the dump of a running robot"
-    return Diagnostic("rosgraph", "error", message, whole_file(path), help=help_text)
-
-
-def _unknown(path: str) -> Diagnostic:
-    message = "this is not a known kind of graph dump"
-    help_text = (
-        "give one of ROSDiscover, CARET, rqt_graph (.dot), `ros2 node info` or `ros2 topic info -v`"
-    )
     return Diagnostic("rosgraph", "error", message, whole_file(path), help=help_text)
 
 

@@ -467,18 +467,11 @@ def _leaves(key: Scalar, value: Node) -> Iterator[_Leaf]:
     waiting: list[tuple[tuple[tuple[str, Span], ...], Scalar, Node]] = [((), key, value)]
     while waiting:
         before, at, node = waiting.pop()
-        parts = before + _key_parts(at)
+        parts, start = before, 0
+        for part in at.text.split("."):
+            parts = (*parts, (part, part_of(at, start, start + len(part))))
+            start += len(part) + 1
         if isinstance(node, Pairs) and (node.pairs or len(parts) == 1):
             waiting += reversed([(parts, inner, below) for inner, below in node.pairs])
         else:
             yield _Leaf(parts, at, node)
-
-
-def _key_parts(key: Scalar) -> tuple[tuple[str, Span], ...]:
-    """Return the parts of a dotted key with their locations."""
-    found = []
-    start = 0
-    for part in key.text.split("."):
-        found.append((part, part_of(key, start, start + len(part))))
-        start += len(part) + 1
-    return tuple(found)

@@ -99,20 +99,16 @@ class FlatArbitration:
             if not before:
                 self.mean = None
                 self.bounds.stop()
-                send_stop(self.outputs, now)
+                # One stop, which also ends the commands in force at later arbiters.
+                for link in self.outputs:
+                    link.send(Message({}, now, NOBODY, until=now))
+                    link.withdrawn()
             return
         mean = self.mean
         if mean is None or now >= mean.time + self.timeout:
             return
         if self.bounds.scaled(mean.value) != self.sent:
             self._send(mean._replace(until=mean.time + self.timeout))
-
-
-def send_stop(outputs: Sequence[Link], now: int) -> None:
-    """Send one stop, which also ends the commands in force at later arbiters."""
-    for link in outputs:
-        link.send(Message({}, now, NOBODY, until=now))
-        link.withdrawn()
 
 
 def weighted_mean(commands: Sequence[tuple[int, dict[str, float]]]) -> dict[str, float]:

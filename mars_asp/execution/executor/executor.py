@@ -180,18 +180,14 @@ class Executor:
             for c in plan.configuration.conversions
             if (c.converter or c.transformer) not in plan.behaviours
         ]
+        nodes = [name for name in plan.names if plan.kind(name) == "inheritance_node"]
         problems += [
             _unknown_provider(node, provider, spans.get(provider, whole))
-            for node in plan.names
-            if plan.kind(node) == "inheritance_node"
+            for node in nodes
             for provider in plan.unknown_providers(node)
         ]
-        problems += [
-            problem
-            for node in plan.names
-            if plan.kind(node) == "inheritance_node"
-            for problem in _stands_for_none(plan, node, spans.get(node, whole))
-        ]
+        for node in nodes:
+            problems += _stands_for_none(plan, node, spans.get(node, whole))
         problems += [_open_input(plan, link) for link in plan.links if plan.left_open(link)]
         problems += [_no_side(plan, link) for link in plan.links if plan.lacks_node(link)]
         problems += _circles(plan)
@@ -225,14 +221,10 @@ class Executor:
         if kind in ("data_out", "control_out", "sink"):
             return self._algorithm(name, kind, behaviour)
         if kind == "effector":
-            self.effectors[name] = Effector(
-                name,
-                behaviour,
-                self.command_timeout,
-                self.schedule,
-                self._left.get(name, frozenset()),
-            )
-            return self.effectors[name]
+            left = self._left.get(name, frozenset())
+            effector = Effector(name, behaviour, self.command_timeout, self.schedule, left)
+            self.effectors[name] = effector
+            return effector
         if kind == "completion":
             return Completion(name, behaviour, self.schedule)
         if kind == "reset":
@@ -269,15 +261,14 @@ class Executor:
             rank = self._ranks[self.plan.data_depth[name], False]
         if kind == "control_out":
             rank = self.schedule.control + self.plan.depth(name)
+        modes = (self.plan.carried(link)[0].name for link in self.plan.data_in[name])
         algorithm = Algorithm(
             name,
             behaviour,
             self.schedule,
             commands=kind == "control_out",
             triggered=hz is None and not on_request,
-            pulls=any(
-                self.plan.carried(link)[0].name == ON_REQUEST for link in self.plan.data_in[name]
-            ),
+            pulls=ON_REQUEST in modes,
             rank=rank,
         )
         for service in self.plan.services(name):
@@ -380,7 +371,12 @@ class Executor:
         plan = self.plan
         if plan.kind(name) == "completion":
             for part in plan.parts(name.rpartition(".")[0]):
-                self._join_completion(self.elements[part], self.elements[name])
+                element, completion = self.elements[part], self.elements[name]
+                if isinstance(element, Sensor | Algorithm | Effector):
+                    if element.completion is None:
+                        element.completion = completion
+                    elif element.completion is not completion:
+                        element.completion.following = completion
         resets = [link for link in plan.side_in[name] if link.kind == "reset"]
         if not resets:
             return
@@ -400,13 +396,6 @@ class Executor:
             self.elements[name] = resetting
         for link in resets:
             link.receive = resetting.receive
-
-    def _join_completion(self, element: Any, done: Completion) -> None:
-        if isinstance(element, Sensor | Algorithm | Effector):
-            if element.completion is None:
-                element.completion = done
-            elif element.completion is not done:
-                element.completion.following = done
 
     def _renew(self, names: Sequence[str]) -> None:
         """Restart the conditional modes of the outputs of modules, also after nodes."""

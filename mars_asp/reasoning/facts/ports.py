@@ -98,7 +98,13 @@ def loose_ends(
     data = [line for _, line in lines if isinstance(line, Data)]
     taken = {ends.source(line) for line in data}
     taken |= {ends.output(*port) for port in side_outputs(configuration.relationships)}
-    taken.update(_taken_alone(configuration, described))
+    for line in configuration.relationships:
+        # One that names no port takes the only output of a module without commands.
+        if isinstance(line, Gating | Reset | Lock) and ports_of(line)[1] is None:
+            source = ends_of(line)[1]
+            module = described.get(source)
+            if module is not None and "control_out_algorithm" not in module_classes(module):
+                taken.add(source)
     numbers = annotation_numbers(configuration, described)
     outputs = list(_port_ends(described, _outputs_of, numbers, canonical))
     free = [port for port in outputs if ends.output(port.module, port.port) not in taken]
@@ -113,16 +119,6 @@ def loose_ends(
         called = end(entry.module, entry.port)
         place = entry.annotation, entry.place
         yield fact_at(entry.span, "near", *place, called, output.annotation, rank)
-
-
-def _taken_alone(configuration: Configuration, described: Described) -> Iterator[str]:
-    """Yield the modules of which a gate, reset, lock or limit takes the only output, unnamed."""
-    for line in configuration.relationships:
-        if isinstance(line, Gating | Reset | Lock):
-            source, port = ends_of(line)[1], ports_of(line)[1]
-            module = described.get(source) if port is None else None
-            if module is not None and "control_out_algorithm" not in module_classes(module):
-                yield source
 
 
 def unknown_ports(described: Described, ends: Ends) -> Mapping[str, Iterable[str]]:
