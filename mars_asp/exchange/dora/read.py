@@ -45,9 +45,9 @@ def import_dora(files: Sequence[tuple[str, str]]) -> Parsed:
         for module in (worker.module for worker in dataflow.workers):
             if module.name in modules:
                 message = f"two nodes have the id `{module.name}`"
-            labels = ((modules[module.name].span, "the first one"),)
-            help_text = "give each an id of its own"
-            problems.append(Diagnostic("dora", "error", message, module.span, labels, help_text))
+                labels = ((modules[module.name].span, "the first one"),)
+                advice = "give each an id of its own"
+                problems.append(Diagnostic("dora", "error", message, module.span, labels, advice))
             modules.setdefault(module.name, module)
     if problems:
         raise MarsError(problems)

@@ -61,9 +61,9 @@ def export_urdf(configuration: Configuration, modules: Mapping[str, Module]) -> 
             ElementTree.SubElement(joint, "child", link=child)
             if carried and parent == body.carrier[name]:
                 pose = body.placement[name]
-            xyz = " ".join(repr(float(length) / 1000 + 0.0) for length in pose[:3, 3])
-            rpy = " ".join(repr(angle + 0.0) for angle in roll_pitch_yaw(pose[:3, :3]))
-            ElementTree.SubElement(joint, "origin", xyz=xyz, rpy=rpy)
+                xyz = " ".join(repr(float(length) / 1000 + 0.0) for length in pose[:3, 3])
+                rpy = " ".join(repr(angle + 0.0) for angle in roll_pitch_yaw(pose[:3, :3]))
+                ElementTree.SubElement(joint, "origin", xyz=xyz, rpy=rpy)
             if function:
                 _add_motion(joint, function)
     ElementTree.indent(robot)
