@@ -127,9 +127,6 @@ class TermNames:
             return 1, self.modules.get(symbol.string, len(self.modules)), symbol.string
         return 2, 0, str(symbol)
 
-    def _at(self, thing: clingo.Symbol) -> str:
-        return self.where(self.place(as_term(thing)))
-
     def where(self, span: Span) -> str:
         """Return a location as `config.mars:3`, relative to the folder of the configuration.
 
@@ -159,14 +156,11 @@ class TermNames:
         shown = Decimal(round(rate * 1000)) / 1000 or Decimal(f"{float(rate):.3g}")
         return f"{plain(shown)} Hz ({words})"
 
-    def _node(self, node: clingo.Symbol) -> str:
-        return self.nodes[str(node)]
-
 
 #: The writers of terms with one argument, by their names.
 _WORDS: Mapping[str, Callable[[TermNames, clingo.Symbol], str]] = {
-    "at": TermNames._at,
-    "node": TermNames._node,
+    "at": lambda names, thing: names.where(names.place(as_term(thing))),
+    "node": lambda names, node: names.nodes[str(node)],
     "hz": TermNames._hz,
     "sends": lambda names, rate: f"delivers at {names.word(rate)}",
     "offers": lambda names, mode: f"offers {names.word(mode)}",
