@@ -238,7 +238,7 @@ def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None
         text = read_input(path)
     if text is None and os.path.isdir(path):  # noqa: PTH112 -- never raises
         return ForeignFile(path, "", "ros2")
-    if text is None and (package := _package_named(path)) is not None:
+    if text is None and (package := package_named(path)) is not None:
         raise MarsError([unreadable(path, "no such file", f"the package is in `{package}`")])
     if text is None:
         # A pipe can be read only once.
@@ -270,7 +270,7 @@ def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None
     return ForeignFile(path, text, format)
 
 
-def _package_named(path: str) -> Path | None:
+def package_named(path: str) -> Path | None:
     """Return the folder near this one of the ROS package that a path is the name of, or None."""
     if re.fullmatch(r"\w+", path) is None or os.path.lexists(path):
         return None

@@ -100,6 +100,9 @@ def test_a_consequence_and_the_node_that_resolves_it_are_one_paragraph(
         (["help", "help"], 0, "usage: mars-asp COMMAND"),
         (["help", "check"], 0, "usage: mars-asp check"),
         (["explain", "guard_bypas"], 2, "did you mean `guard_bypass`?"),
+        (["explain", "E501"], 2, "there is no file, kind or rule `E501` help: `mars-asp rules"),
+        (["explain", "nope.mars"], 2, "nope.mars: no such file"),
+        (["extract", "-"], 2, "name the files; standard input is not read"),
         (["check", "dock.py"], 2, "`dock.py` is not a robot by itself"),
         (["check", "robot.mars", "loop.mars"], 2, "unused_module"),
         (
