@@ -180,8 +180,10 @@ class Parser(argparse.ArgumentParser):
                 or nearest(unknown[1], sorted(names - _WRITING), _ALIKE)
             )
         )
-        advice = unknown and help_texts()["advice"].get(f"{self.command} {unknown[1]}")
-        if choice := re.search(r"invalid choice: '(.*)' \(choose from (.*)\)$", message):
+        choice = re.search(r"invalid choice: '(.*)' \(choose from (.*)\)$", message)
+        word, advised = (unknown or choice or ("", ""))[1], help_texts()["advice"]
+        advice = advised.get(f"{self.command} {word}") or advised.get(word)
+        if choice:
             known = re.findall(r"'([^']*)'", choice[2])
             near = self.meant(choice[1]) or nearest(choice[1], known)
             argument = re.match(r"argument ([A-Z]+):", message)

@@ -224,6 +224,8 @@ def _parse(
             raise
     message = f"`{path}` is not a robot: no line is a statement of a `.mars` file"
     help_text = f"{ROBOTS}; a source is read with the workspace that it lies in"
+    if Path(path).suffix == ".lp":
+        help_text = "`mars-asp rules lint FILE` checks rules, and `mars-asp test FILE` runs cases"
     raise refusal("unreadable", message, path, help_text)
 
 

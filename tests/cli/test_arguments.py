@@ -86,6 +86,10 @@ def test_the_help_of_a_verb_shows_its_example(name: str, capsys: Captured) -> No
         (["check", "-k", "guard"], "did you mean `--select`?"),
         # Other options have no words of this tool, but there is another way.
         (["test", "-k", "guard"], "arguments: -k: name the files of the cases to run; see"),
+        (["facts", "a.mars", "-o", "a.lp"], "arguments: -o a.lp: redirect standard output, as in"),
+        (["explain", "a.mars", "--format", "html"], "`-o explained.html`; see"),
+        (["diff", "a.mars", "b.mars", "--exit-code"], "the status is 1 where an error appeared;"),
+        (["rules", "test", "pack"], "did you mean `test`?"),
         (["fmt", "-w", "a.mars"], "arguments: -w: `fmt` changes the files without it; see"),
         (["check", "--watch"], "arguments: --watch: `mars-asp lsp`, the server for editors,"),
         (["draw", "a.mars", "-Tpng"], "arguments: -Tpng: did you mean `--as`?"),
