@@ -171,17 +171,12 @@ class Parser(argparse.ArgumentParser):
 
         unknown = re.match(r"unrecognized arguments: (-[^\s=]*)", message)
         names = {name for action in self.options() for name in action.option_strings}
-        near = (
-            unknown
-            and (
-                self.meant(unknown[1])
-                # A short option may have its value attached, as in `-Tpng`.
-                or self.meant(unknown[1][:2])
-                or nearest(unknown[1], sorted(names - _WRITING), _ALIKE)
-            )
-        )
+        word = unknown[1] if unknown else ""
+        # A short option may have its value attached, as in `-Tpng`.
+        near = word and (self.meant(word) or self.meant(word[:2]))
+        near = near or nearest(word, sorted(names - _WRITING), _ALIKE)
         choice = re.search(r"invalid choice: '(.*)' \(choose from (.*)\)$", message)
-        word, advised = (unknown or choice or ("", ""))[1], help_texts()["advice"]
+        word, advised = choice[1] if choice else word, help_texts()["advice"]
         advice = advised.get(f"{self.command} {word}") or advised.get(word)
         if choice:
             known = re.findall(r"'([^']*)'", choice[2])

@@ -90,6 +90,10 @@ def test_the_help_of_a_verb_shows_its_example(name: str, capsys: Captured) -> No
         (["explain", "a.mars", "--format", "html"], "`-o explained.html`; see"),
         (["diff", "a.mars", "b.mars", "--exit-code"], "the status is 1 where an error appeared;"),
         (["rules", "test", "pack"], "did you mean `test`?"),
+        (
+            ["synthesise", "a.mars", "--alternatives"],
+            "`mars-asp explain FILE --alternatives` lists",
+        ),
         (["fmt", "-w", "a.mars"], "arguments: -w: `fmt` changes the files without it; see"),
         (["check", "--watch"], "arguments: --watch: `mars-asp lsp`, the server for editors,"),
         (["draw", "a.mars", "-Tpng"], "arguments: -Tpng: did you mean `--as`?"),
