@@ -100,6 +100,12 @@ def test_a_consequence_and_the_node_that_resolves_it_are_one_paragraph(
         (["help", "help"], 0, "usage: mars-asp COMMAND"),
         (["help", "check"], 0, "usage: mars-asp check"),
         (["explain", "guard_bypas"], 2, "did you mean `guard_bypass`?"),
+        (["explain", "E501"], 2, "there is no file, kind or rule `E501` help: `mars-asp rules"),
+        (["explain", "nope.mars"], 2, "nope.mars: no such file"),
+        (["check", "rules.lp"], 2, "`mars-asp rules lint FILE` checks rules"),
+        (["import", "ros2", "robot.mars"], 2, "`robot.mars` is a `.mars` file already"),
+        (["import", "ros2", "mux.yaml"], 2, "this is a file of twist_mux, not a launch file"),
+        (["extract", "-"], 2, "name the files; standard input is not read"),
         (["check", "dock.py"], 2, "`dock.py` is not a robot by itself"),
         (["check", "robot.mars", "loop.mars"], 2, "unused_module"),
         (
@@ -115,6 +121,8 @@ def test_words_that_users_type(
     (tmp_path / "vendor").mkdir()
     (tmp_path / "loop.mars").symlink_to("loop.mars")
     (tmp_path / "dock.py").write_text("import rclpy\n")
+    (tmp_path / "rules.lp").write_text("a.\nb :- a.\n")
+    (tmp_path / "mux.yaml").write_text("topics: [{name: a, topic: a, priority: 1}]\n")
     for name in ("robot.mars", "vendor/a.mars"):
         (tmp_path / name).write_text("@configuration\n@modules A\n")
     done = mars(*words, folder=tmp_path)

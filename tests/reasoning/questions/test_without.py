@@ -209,3 +209,15 @@ def test_nothing_is_added_to_a_specification(
     Path("robot.mars").write_text("@specification\n@modules A, B\nA uses_data_from B\n")
     assert run_here(["verify", "--without", "/mux", "robot.mars"]) == 2
     assert "nothing is added to a file that is a specification already" in capsys.readouterr().err
+    Path("robot.mars").write_text("@specification\n@modules A\n// imported from ros2\n")
+    assert run_here(["verify", "--without", "/mux", "robot.mars"]) == 2
+    output = " ".join(capsys.readouterr().err.split())
+    assert "a configuration, as `mars-asp import ros2 --contract` prints it" in output
+
+
+def test_a_mux_of_the_user_is_a_node(monkeypatch: Patch, capsys: Captured) -> None:
+    monkeypatch.chdir(ROOT)
+    assert run_here(["verify", "--without", "/twist_mux", "examples/ros2_workspace", "-q"]) == 1
+    output = capsys.readouterr().out
+    assert output.startswith("Without /twist_mux:")
+    assert "`/velocity_smoother` has 3 controllers" in output
