@@ -7,6 +7,7 @@ import pytest
 
 from mars_asp.cli import run_here
 from mars_asp.cli.input_codes import input_codes
+from mars_asp.reasoning.lint import LintResult
 from tests.support.documents import ROOT
 from tests.support.fixtures import Captured, Patch
 from tests.support.processes import mars
@@ -31,8 +32,13 @@ def test_ids_of_older_versions_are_accepted(capsys: Captured) -> None:
     assert capsys.readouterr().out.startswith("## run/collision\n")
 
 
-def test_the_rule_base_is_linted_as_itself(capsys: Captured, tmp_path: Path) -> None:
-    assert run_here(["rules", "lint", str(ROOT / "rules")]) == 0
+def test_the_rule_base_is_linted_as_itself(
+    capsys: Captured, tmp_path: Path, monkeypatch: Patch
+) -> None:
+    with monkeypatch.context() as patch:
+        # `test_lint_has_nothing_against_our_own_rules` lints them.
+        patch.setattr("mars_asp.cli.rules.lint", lambda packs: LintResult(tuple(packs), (), ()))
+        assert run_here(["rules", "lint", str(ROOT / "rules")]) == 0
     assert capsys.readouterr().out == "no problems found in the built-in rules\n"
     assert run_here(["rules", "lint", str(tmp_path)]) == 2
 

@@ -93,7 +93,7 @@ def check_each_node(project: Project) -> None:
         assert any(broken.relationships for broken in found), node
 
 
-@pytest.mark.parametrize("path", sample([*EXAMPLES, *CHOICES], 2), ids=lambda path: path.name)
+@pytest.mark.parametrize("path", sample([*EXAMPLES, *CHOICES], 4), ids=lambda path: path.name)
 def test_something_breaks_without_a_node(path: Path) -> None:
     check_each_node(load_project(str(path)))
 
@@ -154,7 +154,7 @@ def test_side_lines_are_cited_at_the_nodes_before_them(
 
 @pytest.mark.parametrize("kind", [random_configuration, random_control, random_side_lines])
 def test_something_breaks_without_a_node_of_random_configurations(kind: type) -> None:
-    for seed in seeds(2, 20):
+    for seed in seeds(1, 20):
         check_each_node(Project(parse_text(kind(seed), "c.mars").configuration, {}, ()))
 
 
