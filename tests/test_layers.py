@@ -104,7 +104,8 @@ FILES = {
         "svg page dot mermaid png"
     ),
     "execution": (
-        "parts executor simulator scenario trial promises gate_facts judgement recording campaign"
+        "parts executor simulator scenario observed trial promises gate_facts judgement recording "
+        "campaign"
     ),
     "execution/campaign": "grid summary journal code picture",
     "execution/executor": (
