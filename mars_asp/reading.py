@@ -71,21 +71,12 @@ def read_file(path: str | Path, most: int, named_in: str | None = None) -> bytes
         elif named_in is not None:
             raise wall_error(str(path), "it is not a regular file")
         else:
-            _await_writer(handle, str(path))
+            waiting = select.poll()
+            waiting.register(handle, select.POLLIN)
+            if not waiting.poll(_PIPE_SECONDS * 1000):
+                raise wall_error(str(path), "it is a pipe that no process writes into")
+            os.set_blocking(handle, True)
         return file.read(most + 1)
-
-
-def _await_writer(handle: int, path: str) -> None:
-    """Wait a few seconds until the pipe with the descriptor `handle` has data.
-
-    Raises:
-        WallError: no process has written into it.
-    """
-    waiting = select.poll()
-    waiting.register(handle, select.POLLIN)
-    if not waiting.poll(_PIPE_SECONDS * 1000):
-        raise wall_error(path, "it is a pipe that no process writes into")
-    os.set_blocking(handle, True)
 
 
 def check_walls(path: str | Path, named_in: str | None = None) -> None:

@@ -52,7 +52,7 @@ def pytest_collection_finish() -> None:
 #: Counts the tests that have ended in this process.
 _ENDED = count(1)
 #: So many tests keep little that is not needed any more.
-_FEW = 250
+_FEW = 750
 
 
 def pytest_runtest_teardown() -> None:
@@ -94,11 +94,17 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
 
 
 _GROUPS = {
+    "tests/cli/test_explain_page.py": "pages",
+    "tests/cli/test_trace_document.py": "documents",
+    "tests/exchange/test_saved.py": "saved",
     "tests/reasoning/test_golden_traces.py": "rules",
     "tests/reasoning/test_nodes_of_packs.py": "nodes",
     "tests/reasoning/test_rules.py": "rules",
     "tests/reasoning/test_session.py": "session",
     "tests/reasoning/questions/test_account.py": "accounts",
+    "tests/reasoning/questions/test_alternatives.py": "alternatives",
+    "tests/test_layers.py": "layers",
+    "tests/test_mutate.py": "rules",
     "tests/test_wheel.py": "wheel",
 }
 

@@ -3,6 +3,7 @@
 import re
 import shlex
 import subprocess
+from functools import cache
 from pathlib import Path
 from runpy import run_path
 
@@ -15,7 +16,7 @@ from tests.support.fixtures import Patch
 
 #: Its commands are run in an empty folder, step by step.
 TUTORIAL = ROOT / "docs/tutorial/packs.md"
-MADE = pages()
+MADE = {name: cache(text) for name, text in pages().items()}
 DOCUMENTS = [
     ROOT / "README.md",
     *(
@@ -57,7 +58,7 @@ SIGN_TEST = run_path(str(ROOT / "benchmarks" / "sign_test.py"))
 def test_the_commands_of_the_case_study_work(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Each with one seed, 1 s and the first of its values; the page has results of 200 seeds."""
+    """Each with one seed, 0.2 s and the first of its values; the page has results of 200 seeds."""
     blocks = [
         shlex.split(command.removeprefix("$ "))
         for commands in BLOCK.findall(STUDY.read_text(encoding="utf-8"))
@@ -73,7 +74,7 @@ def test_the_commands_of_the_case_study_work(
             assert counts and {*counts} == {"1"}, words
             continue
         file = words[words.index("-o") + 1]
-        short = "duration=1"
+        short = "duration=0.2"
         for word in words[1:]:
             key, equals, values = word.partition("=")
             if equals and key != "duration":
@@ -117,12 +118,6 @@ LINK = re.compile(r"\]\(([^)#\s]+)[^)]*\)")
 FENCE = re.compile(r"^ *```.*?^ *```$", re.MULTILINE | re.DOTALL)
 
 
-@pytest.fixture(scope="module")
-def made() -> dict[str, str]:
-    """The pages that the site adds to the committed ones, by their paths."""
-    return {name: text() for name, text in MADE.items()}
-
-
 def links(page: str, text: str) -> set[Path]:
     """Return the files that a page links to, without those of the web."""
     folder = (ROOT / page).parent
@@ -162,20 +157,20 @@ def test_committed_pages_link_to_committed_files() -> None:
         assert not {path for path in linked if path in absent or not path.exists()}, page
 
 
-def test_made_pages_link_to_pages_and_files(made: dict[str, str]) -> None:
+def test_made_pages_link_to_pages_and_files() -> None:
     known = {ROOT / name for name in MADE}
-    for name, text in made.items():
-        assert not {path for path in links(name, text) if path not in known and not path.exists()}
+    for name, text in MADE.items():
+        assert not {path for path in links(name, text()) if path not in known and not path.exists()}
 
 
-def test_each_page_is_two_clicks_from_the_readme(made: dict[str, str]) -> None:
+def test_each_page_is_two_clicks_from_the_readme() -> None:
     """Decisions are in their list, which is made."""
     reached = {ROOT / "README.md"}
     for _ in range(2):
         for page in [path for path in reached if path.suffix == ".md"]:
             reached |= links(page.relative_to(ROOT).as_posix(), page.read_text(encoding="utf-8"))
     listed = "docs/decisions/README.md"
-    reached |= links(listed, made[listed])
+    reached |= links(listed, MADE[listed]())
     assert not [page for page in (*DOCUMENTS, TUTORIAL) if page.resolve() not in reached]
 
 
@@ -188,9 +183,9 @@ def test_each_page_has_a_place_in_the_site() -> None:
     assert not [name for name in listed if name not in MADE and not (ROOT / name).is_file()]
 
 
-def test_each_kind_of_finding_has_a_file_that_a_user_writes(made: dict[str, str]) -> None:
+def test_each_kind_of_finding_has_a_file_that_a_user_writes() -> None:
     """Those of runs are the exception: a scenario of `judge-a-run.md` shows them."""
-    page = made["docs/reference/findings.md"]
+    page = MADE["docs/reference/findings.md"]()
     for kind, text in re.findall(r"(?ms)^## (\w+)$(.*?)(?=^## |\Z)", page):
         if kind in EXAMPLES:
             assert f": {kind}: " in " ".join(text.split()), kind

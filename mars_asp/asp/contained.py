@@ -335,16 +335,15 @@ def ask(
                     yield question, found
                 elif not is_late and tried < tries:
                     start(question, tried + 1)
+                elif is_late:
+                    yield question, Lost(None)
                 else:
-                    yield question, Lost(None if is_late else _how(status))
+                    code = os.waitstatus_to_exitcode(status)
+                    how = f"status {code}" if code >= 0 else signal.Signals(-code).name
+                    yield question, Lost(how)
     finally:
         for child in busy:
             child.end()
-
-
-def _how(status: int) -> str:
-    code = os.waitstatus_to_exitcode(status)
-    return f"status {code}" if code >= 0 else signal.Signals(-code).name
 
 
 # ---- Processes with an interpreter of their own --------------------------------------------------

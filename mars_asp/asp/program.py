@@ -4,7 +4,7 @@
 >>> print(program.solve().why("reach(b)").text())
 """
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -180,7 +180,13 @@ class Program:
             advice = "clingo adds up costs in 32 bits: make the weights smaller"
             found = Diagnostic("costs", "error", str(error), place, help=advice)
             raise MarsError((found,)) from None
-        _check_externals(given, grounding.externals, self._file_path)
+        wrong = [each for each in given if each not in grounding.externals]
+        if wrong:
+            place = whole_file(self._file_path)
+            names = [f"`{each}`" for each in sorted(grounding.externals)][:_MOST_NAMED]
+            advice = f"external are {', '.join(names)}" if names else "declare it: `#external`"
+            texts = (f"`{each}` is not an external of the program" for each in wrong)
+            raise MarsError(Diagnostic("external", "error", t, place, help=advice) for t in texts)
         if resolution is None or not resolution.answer.exists:
             place = whole_file(self._file_path)
             message = "the program has no answer"
@@ -569,22 +575,3 @@ def _externals(values: Externals, path: str) -> dict[clingo.Symbol, bool | None]
         message = f"`{wrong}` is not an atom"
         raise MarsError((Diagnostic("external", "error", message, place, help=advice),))
     return {atom: value for atom, value in found.items() if atom is not None}
-
-
-def _check_externals(
-    given: Mapping[clingo.Symbol, bool | None], known: Collection[clingo.Symbol], path: str
-) -> None:
-    """Raise MarsError if some of the `given` atoms are not external (`known`).
-
-    Raises:
-        MarsError: there are such values.
-    """
-    names = [f"`{each}`" for each in sorted(known)]
-    advice = (
-        f"external are {', '.join(names[:_MOST_NAMED])}" if names else "declare it: `#external`"
-    )
-    place = whole_file(path)
-    wrong = [each for each in given if each not in known]
-    if wrong:
-        messages = (f"`{each}` is not an external of the program" for each in wrong)
-        raise MarsError(Diagnostic("external", "error", m, place, help=advice) for m in messages)

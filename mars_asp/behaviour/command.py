@@ -53,20 +53,16 @@ def commanded(result: object, listed: Collection[str]) -> dict[str, float]:
         ValueError, TypeError: the result names functions that are not listed, or is not a command.
     """
     if len(listed) < 2:
-        pairs = [_pair(command_of(result))]
+        commands = [command_of(result)]
     elif isinstance(result, Mapping) and result:
-        pairs = [_pair(command_of(pair)) for pair in result.items()]
+        commands = [command_of(pair) for pair in result.items()]
     else:
-        pairs = [_pair(command_of(result, _COMBINED))]
-    for function, _ in pairs:
-        if listed and function not in listed:
+        commands = [command_of(result, _COMBINED)]
+    for command in commands:
+        if listed and command.function not in listed:
             names = ", ".join(f"`{name}`" for name in listed)
-            raise ValueError(f"`{function}` is not in the annotation, which lists {names}")
-    return dict(pairs)
-
-
-def _pair(command: Command) -> tuple[str, float]:
-    return command.function, command.rate
+            raise ValueError(f"`{command.function}` is not in the annotation, which lists {names}")
+    return {command.function: command.rate for command in commands}
 
 
 def command_of(result: object, expected: str = "one `Command(function, rate)`") -> Command:

@@ -171,10 +171,14 @@ class Parser(argparse.ArgumentParser):
 
         unknown = re.match(r"unrecognized arguments: (-[^\s=]*)", message)
         names = {name for action in self.options() for name in action.option_strings}
-        near = unknown and (
-            self.meant(unknown[1]) or nearest(unknown[1], sorted(names - _WRITING), _ALIKE)
-        )
-        if choice := re.search(r"invalid choice: '(.*)' \(choose from (.*)\)$", message):
+        word = unknown[1] if unknown else ""
+        # A short option may have its value attached, as in `-Tpng`.
+        near = word and (self.meant(word) or self.meant(word[:2]))
+        near = near or nearest(word, sorted(names - _WRITING), _ALIKE)
+        choice = re.search(r"invalid choice: '(.*)' \(choose from (.*)\)$", message)
+        word, advised = choice[1] if choice else word, help_texts()["advice"]
+        advice = advised.get(f"{self.command} {word}") or advised.get(word)
+        if choice:
             known = re.findall(r"'([^']*)'", choice[2])
             near = self.meant(choice[1]) or nearest(choice[1], known)
             argument = re.match(r"argument ([A-Z]+):", message)
@@ -182,6 +186,7 @@ class Parser(argparse.ArgumentParser):
             if argument and takes_files and os.path.exists(choice[1]):  # noqa: PTH110 -- no error
                 message += f"; {argument[1]} comes before the files"
         text = f"{message}: did you mean `{near}`?" if near else message
+        text = f"{message}: {advice}" if advice else text
         mark = "" if text.endswith("?") else ";"
         whole = f"{self.prog}: {visible(text)}{mark} see `{self.prog} --help`"
         lines = wrapped(whole, columns(sys.stderr), "", "  ")

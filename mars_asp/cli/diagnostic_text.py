@@ -176,7 +176,6 @@ def diagnostic_text(
 
     The details are the quoted line with a caret at the location, further locations with labels,
     the effect and the help. `width` bounds lines, except quoted ones, long words and whole heads.
-    long words and a whole head.
     """
     message = _named_message(diagnostic, coloured)
     return "\n".join(finding_lines(diagnostic, message, coloured, width, whole_head=whole_head))
@@ -246,6 +245,7 @@ def _quotation(diagnostic: Diagnostic, coloured: bool, width: int) -> Iterator[s
     numbers = [span.line for (span, _), line in zip(places, shown, strict=True) if line]
     margin = len(str(max(numbers, default=0)))
     last = (diagnostic.span.path, 0)
+    marked: Span | None = None  # the location with the last marks
     for (span, label), line in zip(places, shown, strict=True):
         is_first = span is diagnostic.span
         if line is None:
@@ -259,6 +259,7 @@ def _quotation(diagnostic: Diagnostic, coloured: bool, width: int) -> Iterator[s
             gutter = paint(f"{_INSIDE}{span.line:>{margin}} |", "dim", coloured)
             yield f"{gutter} {line.text}".rstrip()
         last = (span.path, span.line)
+        line, marked = line._replace(marked=0) if span == marked else line, span  # noqa: PLW2901
         yield from _mark(
             line, visible(label), margin, diagnostic.severity, is_first, coloured, width
         )
@@ -281,12 +282,13 @@ def _mark(
     gutter = paint(f"{_INSIDE}{' ' * margin} |", "dim", coloured)
     marks = paint(("^" if is_first else "-") * line.marked, style, coloured)
     row = f"{gutter} {' ' * line.before}{marks}"
+    rows = [row] if line.marked else []
     if not label:
-        yield row
+        yield from rows
     elif cells(row) + 1 + cells(label) <= width:
         yield f"{row} {paint(label, style, coloured)}"
     else:
-        yield row
+        yield from rows
         for text in wrapped(label, width - len(_INSIDE) - margin - 3):
             yield f"{gutter} {paint(text, style, coloured)}"
 

@@ -34,7 +34,8 @@ def run(arguments: argparse.Namespace) -> int:
     for word in (*arguments.paths, *arguments.sources):
         matches = find_paths(word)
         if not matches:
-            raise MarsError([unreadable(word, "no such file")])
+            advice = "name the files; standard input is not read" if word == "-" else None
+            raise MarsError([unreadable(word, "no such file", advice)])
         paths += matches
     found = extract(paths)
     report(found.diagnostics, arguments)

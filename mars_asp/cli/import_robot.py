@@ -10,7 +10,7 @@ from mars_asp.cli.diagnostic_text import report
 from mars_asp.cli.inputs import STANDARD_INPUT, add_launch, check_inputs
 from mars_asp.cli.lines import remember
 from mars_asp.cli.worker import read_standard_input
-from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.diagnostic import Diagnostic, MarsError, refusal
 from mars_asp.exchange.foreign import READERS, ForeignFile, read_foreign
 from mars_asp.language import Parsed, print_configuration
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_bytes
@@ -108,9 +108,12 @@ def _read_text(name: str, most: int = MOST_BYTES) -> tuple[str, str]:
     """Return the text of a file or of standard input, and the shown name of the file.
 
     Raises:
-        MarsError: the input is too large, or is not text.
+        MarsError: the input is too large, is not text, or is a `.mars` file.
     """
     piped = name == STANDARD_INPUT
     shown = "<stdin>" if piped else name
     raw = read_standard_input(most + 1) if piped else read_bytes(Path(shown), most)
+    if Path(shown).suffix == ".mars":
+        advice = "`mars-asp fmt` formats it, and other commands read it"
+        raise refusal("format", f"`{shown}` is a `.mars` file already", shown, advice)
     return decode(raw, shown, most), shown

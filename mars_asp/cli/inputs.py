@@ -224,6 +224,8 @@ def _parse(
             raise
     message = f"`{path}` is not a robot: no line is a statement of a `.mars` file"
     help_text = f"{ROBOTS}; a source is read with the workspace that it lies in"
+    if Path(path).suffix == ".lp":
+        help_text = "`mars-asp rules lint FILE` checks rules, and `mars-asp test FILE` runs cases"
     raise refusal("unreadable", message, path, help_text)
 
 
@@ -238,7 +240,7 @@ def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None
         text = read_input(path)
     if text is None and os.path.isdir(path):  # noqa: PTH112 -- never raises
         return ForeignFile(path, "", "ros2")
-    if text is None and (package := _package_named(path)) is not None:
+    if text is None and (package := package_named(path)) is not None:
         raise MarsError([unreadable(path, "no such file", f"the package is in `{package}`")])
     if text is None:
         # A pipe can be read only once.
@@ -270,7 +272,7 @@ def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None
     return ForeignFile(path, text, format)
 
 
-def _package_named(path: str) -> Path | None:
+def package_named(path: str) -> Path | None:
     """Return the folder near this one of the ROS package that a path is the name of, or None."""
     if re.fullmatch(r"\w+", path) is None or os.path.lexists(path):
         return None

@@ -15,7 +15,7 @@ from mars_asp.cli.arguments import add_flags, misuse
 from mars_asp.cli.diagnostic_text import Suggestion, report
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.input_codes import InputCode, input_codes
-from mars_asp.cli.inputs import rulebook_for
+from mars_asp.cli.inputs import package_named, rulebook_for
 from mars_asp.cli.rules_document import (
     PURPOSES,
     documents,
@@ -212,11 +212,11 @@ def rule_or_kind_text(name: str, arguments: argparse.Namespace) -> str | None:
     rulebook = rulebook_for(arguments, STAGES)
     known = (*rulebook.by_id, *kinds(rulebook), *input_codes())
     if name not in known:
-        near = None if "." in name else nearest(name, known)
-        if near is None:
+        if "." in name or package_named(name) is not None:
             return None
-        message = f"there is no file, kind or rule `{name}`"
-        raise refusal("usage", message, name, f"did you mean `{near}`?")
+        near = nearest(name, known)
+        advice = f"did you mean `{near}`?" if near else "`mars-asp rules list` lists the rules"
+        raise refusal("usage", f"there is no file, kind or rule `{name}`", name, advice)
     as_json = arguments.format == "json"
     return encoded(shown_json(rulebook, name)) if as_json else safe(shown(rulebook, name))
 

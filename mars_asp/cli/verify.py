@@ -173,13 +173,18 @@ def _run_without(arguments: argparse.Namespace) -> int:
     """Print the violations without a node; return 1 if there are any."""
     if arguments.specification is not None:
         return misuse("verify", "--without NODE judges CONFIG alone: leave out SPEC")
+    from mars_asp.exchange.lift import realised_by
     from mars_asp.reasoning.questions.without import without
 
     project = read_project(arguments, arguments.file)
     rulebook = rulebook_for(arguments, ("resolve", "verify"))
     name = arguments.without
     reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
-    found = without(name, reasoner)
+    synthesis = reasoner.synthesis
+    muxes = {} if synthesis is None else realised_by(synthesis.specification.configuration)
+    # A mux of the user has a name of its own, and is a node of the specification.
+    node = next((node for node, mux in muxes.items() if mux == name), name)
+    found = without(node, reasoner)
     if found is None:
         report_unrealisable(project.configuration.path, reasoner.analysis, arguments)
         return 1

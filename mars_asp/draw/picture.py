@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Literal, TypeAlias
 
 from mars_asp.diagnostic import Severity, Span
@@ -140,36 +139,22 @@ def depict(
     """
     described = configuration.with_declared(modules)
     conversions = {found.transformer: found for found in configuration.conversions}
-    names = dict.fromkeys(name.text for name in configuration.modules)
-    for relationship in configuration.relationships:
-        names |= dict.fromkeys(_relationship_ends(relationship))
+    joined = {end: None for line in configuration.relationships for end in _relationship_ends(line)}
+    names = dict.fromkeys(name.text for name in configuration.modules) | joined
     introduces = configuration.kind == "specification"
     notes = dict(_gate_notes(configuration))
     strategies = dict(_strategies(configuration))
-    joined = {name for line in configuration.relationships for name in _relationship_ends(line)}
     unread = {name.text for name in configuration.opaque}
     commanding = frozenset(_commanding(configuration, described))
-    boxes = [
-        Box(
-            _one_line(name),
-            ", ".join(
-                filter(
-                    None,
-                    (
-                        notes.get(name, strategies.get(name)),
-                        _module_note(described.get(name), conversions.get(name), classes),
-                    ),
-                )
-            ),
-            *(
-                _node_look(name, configuration, commanding)
-                if introduces and name not in described
-                else (None, None, None)
-            ),
-            "" if name in joined else _reason(described.get(name), name in unread),
-        )
-        for name in names
-    ]
+    boxes = []
+    for name in names:
+        note = _module_note(described.get(name), conversions.get(name), classes)
+        words = (notes.get(name, strategies.get(name)), note)
+        alone = "" if name in joined else _reason(described.get(name), name in unread)
+        look: tuple[str | None, str | None, str | None] = (None, None, None)
+        if introduces and name not in described:
+            look = _node_look(name, configuration, commanding)
+        boxes.append(Box(_one_line(name), ", ".join(filter(None, words)), *look, alone))
     number = {name: index for index, name in enumerate(names)}
     lines = [
         _picture_line(relationship, number, described, notes, commanding)
@@ -271,7 +256,8 @@ def _picture_line(
             inlet = inlet or _only_port(described.get(relationship.client), inputs)
             label = [ports]
             if relationship.hz is not None:
-                label.append(_rate_label(relationship.hz))
+                rate = as_written(relationship.hz)
+                label.append(rate if rate.startswith("every") else f"{rate} Hz")
             elif relationship.mode is not None:
                 label.append(relationship.mode.text)
         case Gating(gated):
@@ -284,16 +270,14 @@ def _picture_line(
             kind, label = "reset", [ports]
         case Lock():
             below = "" if relationship.priority is None else f" below {relationship.priority}"
-            kind, label = "lock", [ports, f"locks{below}", _hold(relationship.hold_ms)]
+            kind, label = "lock", [ports, f"locks{below}"]
         case Limit():
-            kind, label = "limit", [ports, "limits", _hold(relationship.hold_ms)]
+            kind, label = "limit", [ports, "limits"]
+    if isinstance(relationship, Lock | Limit) and relationship.hold_ms is not None:
+        label.append(f"hold {relationship.hold_ms} ms")
     text = _one_line(print_relationship(relationship))
     shown = "\n".join(filter(None, map(_one_line, label)))
     return Line(kind, tail, head, shown, text, outlet, inlet, rank, relationship.span, sign=sign)
-
-
-def _hold(ms: int | None) -> str:
-    return "" if ms is None else f"hold {ms} ms"
 
 
 def _in_words(transformation: Transformation) -> list[str]:
@@ -336,8 +320,3 @@ def _module_note(module: Module | None, conversion: Conversion | None, classes: 
 
 def _one_line(text: str) -> str:
     return visible(" ".join(text.split()))
-
-
-def _rate_label(hz: Fraction) -> str:
-    words = as_written(hz)
-    return words if words.startswith("every") else f"{words} Hz"

@@ -11,6 +11,7 @@ from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.exchange.recognise import key_pattern, recognised
 from mars_asp.exchange.unread import Unread, notes
 from mars_asp.language.parse import read_text
+from mars_asp.reading import files_read
 
 #: Files that keep a folder from being built.
 IGNORE_MARKERS = frozenset({"COLCON_IGNORE", "CATKIN_IGNORE", "AMENT_IGNORE"})
@@ -73,6 +74,7 @@ def robots_in(folder: Path, is_excluded: IsExcluded = nothing_excluded) -> Folde
         is_excluded: Whether a path in it, of a folder or not, is skipped.
     """
     unread: list[Unread] = []
+    read_before = files_read.copy()
     entries = list(_entries(folder, is_excluded, unread))
     launches = [path for _, path in entries if path.name.endswith(LAUNCH_ENDINGS)]
     packages = [path.parent for _, path in entries if path.name == "package.xml"]
@@ -98,6 +100,8 @@ def robots_in(folder: Path, is_excluded: IsExcluded = nothing_excluded) -> Folde
         apart = list(_by_content(folder, outside, unread))
         found += apart
         passed_over = sum(path.suffix in _BY_CONTENT for path in outside) - len(apart)
+    # Only the robots are inputs: an output may replace another file, such as an older output.
+    files_read.intersection_update(read_before)
     return FolderRobots(tuple(sorted((*found, *ros))), tuple(notes(unread)), passed_over)
 
 

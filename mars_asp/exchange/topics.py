@@ -91,7 +91,9 @@ def configuration_of(graph: Graph) -> tuple[Configuration, Sequence[Unread]]:
     sent |= {mux.output for mux in graph.muxes} | {passage.target for passage in passages}
     nodes = tuple(_without_dropped(node, sent, unread) for node in typed(graph.nodes))
     if graph.observed:
-        nodes = tuple(_taking_part(nodes, unread))
+        alone = (node for node in nodes if not (node.published or node.subscribed))
+        unread += (Unread("nodes without other topics", node.name, node.span) for node in alone)
+        nodes = tuple(node for node in nodes if node.published or node.subscribed)
     wiring = _Wiring(nodes, graph.muxes, passages, graph.observed)
     wiring = _cascaded(wiring, nodes, passages, unread)
     unread += (
@@ -261,15 +263,6 @@ def _without_dropped(node: GraphNode, sent: Collection[str], unread: list[Unread
 
     published, subscribed = each_once(kept(node.published)), each_once(kept(node.subscribed))
     return replace(node, published=published, subscribed=subscribed)
-
-
-def _taking_part(nodes: Iterable[GraphNode], unread: list[Unread]) -> Iterator[GraphNode]:
-    """Yield the nodes with topics, and add the others to `unread`."""
-    for node in nodes:
-        if node.published or node.subscribed:
-            yield node
-        else:
-            unread.append(Unread("nodes without other topics", node.name, node.span))
 
 
 def _dropped(topic: str) -> str | None:

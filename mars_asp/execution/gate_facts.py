@@ -4,17 +4,14 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
 
-from mars_asp.asp.solve.atoms import Atom, Fact, Term
-from mars_asp.diagnostic import Span, point
+from mars_asp.asp.solve.atoms import Atom, Fact, fact_at
 from mars_asp.execution.executor.arbitration import FlatArbitration, HierarchicalArbitration
 from mars_asp.execution.executor.bounds import History
 from mars_asp.execution.executor.gate import Gate, Trigger
 from mars_asp.execution.executor.link import Link
 from mars_asp.execution.executor.schedule import MILLISECOND
+from mars_asp.execution.observed import MOST, milliseconds, seen
 from mars_asp.execution.trial import Trial
-
-_OBSERVED = point("<run>", 1, 1)
-_MOST = 2**31 - 1
 
 
 def gate_facts(trial: Trial) -> Iterator[Fact]:
@@ -26,17 +23,17 @@ def gate_facts(trial: Trial) -> Iterator[Fact]:
             link, number = trigger.link, numbers[trigger.link]
             ends = gate.name, plan.origin_of(link), gated
             sign = Atom(link.kind), link.time // MILLISECOND
-            yield _fact(link.span, "closes", number, *ends, *sign)
+            yield fact_at(link.span, "closes", number, *ends, *sign)
             if link.kind == "suppress":
-                yield _seen("spoke", number, len(trigger.heard))
-                yield _seen("let_through", number, trigger.passed)
+                yield seen("spoke", number, len(trigger.heard))
+                yield seen("let_through", number, trigger.passed)
             yield from _extremes(gate, trigger, number)
     for arbiter in trial.executor.arbiters.values():
         for lock in arbiter.bounds.locks:
             link, number = lock.link, numbers[lock.link]
-            yield _fact(link.span, "locks_line", number, arbiter.name, plan.origin_of(link))
+            yield fact_at(link.span, "locks_line", number, arbiter.name, plan.origin_of(link))
             if link.declared is not None and arbiter.bounds.ranks:
-                yield _fact(link.span, "lets_pass", number, link.declared)
+                yield fact_at(link.span, "lets_pass", number, link.declared)
             if isinstance(arbiter, HierarchicalArbitration):
                 yield from _held(trial, arbiter, lock, number)
 
@@ -56,14 +53,14 @@ def _extremes(gate: Gate, trigger: Trigger, number: int) -> Iterator[Fact]:
         first = trigger.late or (trigger.in_circle and passed)
         last = (bisect_left(times, at) if first else bisect_right(times, at)) - 1
         closed = last >= 0 and trigger.heard[last][1]
-        after = at - times[last] if closed else _MOST * MILLISECOND
+        after = at - times[last] if closed else MOST * MILLISECOND
         if passed and closed:
             soonest = min(soonest or (after, at), (after, at))
         elif not passed:
             longest = max(longest or (after, at), (after, at))
     for name, extreme in (("passed_after", soonest), ("lost_after", longest)):
         if extreme is not None:
-            yield _seen(name, number, *map(_milliseconds, extreme))
+            yield seen(name, number, *map(milliseconds, extreme))
 
 
 def _held(
@@ -77,17 +74,14 @@ def _held(
             continue
         changes = [since, *lock.times[bisect_right(lock.times, since) :], until]
         for begin, end in pairwise(time for time in changes if time <= until):
-            silent = end if lock.link.hold is None else max(begin, _silent_from(lock, begin))
+            silent = end
+            if lock.link.hold is not None:
+                before = lock.times[: bisect_right(lock.times, begin)]
+                silent = max(begin, before[-1] + lock.link.hold if before else 0)
             locked = begin if lock.at(begin) else silent
             if locked < end:
-                ends = _milliseconds(locked), _milliseconds(end)
-                yield _seen("held_locked", number, holder, *ends)
-
-
-def _silent_from(lock: History[bool], time: int) -> int:
-    """Return from when a lock is silent, if no message comes after a time (ns)."""
-    number = bisect_right(lock.times, time)
-    return lock.times[number - 1] + (lock.link.hold or 0) if number else 0
+                ends = milliseconds(locked), milliseconds(end)
+                yield seen("held_locked", number, holder, *ends)
 
 
 def reasons(trial: Trial, *, losses: bool) -> Iterator[Fact]:
@@ -105,7 +99,7 @@ def reasons(trial: Trial, *, losses: bool) -> Iterator[Fact]:
                 until = -1
                 for at, _, made in trigger.heard:
                     if at >= until:
-                        yield _seen("got", number, client, _milliseconds(made), _milliseconds(at))
+                        yield seen("got", number, client, milliseconds(made), milliseconds(at))
                     until = at + trigger.link.time
     if not losses:
         for arbiter in trial.executor.arbiters.values():
@@ -131,9 +125,9 @@ def _losses(gate: Gate, trigger: Trigger, number: int, client: str) -> Iterator[
             lost.setdefault(first, []).append((times[own], at))
     for dropped in lost.values():
         (since, first_at), (until, last_at) = dropped[0], dropped[-1]
-        ends = (_milliseconds(time) for time in (first_at, last_at))
-        spoke = _milliseconds(since), _milliseconds(until)
-        yield _seen("kept_from", number, client, *spoke, len(dropped), *ends)
+        ends = (milliseconds(time) for time in (first_at, last_at))
+        spoke = milliseconds(since), milliseconds(until)
+        yield seen("kept_from", number, client, *spoke, len(dropped), *ends)
 
 
 def _stops(
@@ -145,11 +139,11 @@ def _stops(
     links = plan.control_out[arbiter.name]
     stopped = " and ".join(dict.fromkeys(n for link in links for n in plan.targets_of(link)))
     for at, lock in arbiter.bounds.stops:
-        number, instant = numbers[lock.link], _milliseconds(at)
-        yield _seen("stopped_by", number, stopped, instant)
+        number, instant = numbers[lock.link], milliseconds(at)
+        yield seen("stopped_by", number, stopped, instant)
         if not lock.at(at):
             silent = at - lock.times[bisect_right(lock.times, at) - 1]
-            yield _seen("silence", number, stopped, instant, _milliseconds(silent))
+            yield seen("silence", number, stopped, instant, milliseconds(silent))
 
 
 def _gates(trial: Trial) -> Iterator[Gate]:
@@ -158,15 +152,3 @@ def _gates(trial: Trial) -> Iterator[Gate]:
 
 def _numbers(trial: Trial) -> Mapping[Link, int]:
     return {link: number for number, link in enumerate(trial.executor.links)}
-
-
-def _milliseconds(time: int) -> int:
-    return min(_MOST, time // MILLISECOND)
-
-
-def _seen(name: str, *arguments: Term) -> Fact:
-    return _fact(_OBSERVED, name, *arguments)
-
-
-def _fact(span: Span, name: str, *arguments: Term) -> Fact:
-    return Fact(Atom(name, arguments), span)

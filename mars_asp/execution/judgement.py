@@ -12,14 +12,15 @@ from typing import Any, Literal
 from mars_asp.asp.rules.declarations import declarations
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature
-from mars_asp.asp.solve.atoms import Atom, Fact, Term
+from mars_asp.asp.solve.atoms import Atom, Fact, fact_at
 from mars_asp.asp.trace import Trace
 from mars_asp.asp.units import measured
-from mars_asp.diagnostic import Span, point
+from mars_asp.diagnostic import Span
 from mars_asp.execution.executor.arbitration import HierarchicalArbitration
 from mars_asp.execution.executor.link import Failures
 from mars_asp.execution.executor.schedule import MILLISECOND
 from mars_asp.execution.gate_facts import gate_facts, reasons
+from mars_asp.execution.observed import milliseconds, rounded, seen
 from mars_asp.execution.promises import promises
 from mars_asp.execution.scenario.read import ScenarioRobot
 from mars_asp.execution.simulator.approach import least_approach
@@ -58,9 +59,6 @@ ON_REQUEST = {
 UNDECIDED = {"services delivered": "undecided_service", "reach": "undecided_reach"}
 #: Kinds of consequences that weaken the verdict of a run.
 WARNINGS = ("module_never_ran", "input_never_came", "requirement_in_vain", "goal_in_obstacle")
-#: The location of facts that are not in a file.
-OBSERVED = point("<run>", 1, 1)
-_MOST = 2**31 - 1
 #: The unit of a number of occurrences.
 _TIMES = "times"
 #: Maximal length of an exception's text in messages.
@@ -217,57 +215,62 @@ def _facts(trial: Trial) -> Iterator[Fact]:
     yield from _control(trial)
     yield from gate_facts(trial)
     yield from _limits(trial)
-    yield from _functions(trial)
+    modules = trial.executor.plan.modules
+    for name in trial.executor.effectors:
+        for function in modules[name].functions if name in modules else ():
+            yield fact_at(function.span, "has_function", name, function.name)
+        for moved in trial.moves.get(name, ()):
+            yield seen("moves", name, moved)
     for name, failures in trial.executor.failures.items():
         first = failure_text(failures), failures.at // MILLISECOND
-        yield _seen("failed", name, failures.count, *first)
+        yield seen("failed", name, failures.count, *first)
     scenario = trial.scenario
     requirements = scenario.requirements
     for name in _judged_parts(trial):
         place = next(
             (r.places["reach"] for r in scenario.robots if name in r.places), scenario.span
         )
-        yield _fact(scenario.places.get(name, place), "asked", Atom(name))
+        yield fact_at(scenario.places.get(name, place), "asked", Atom(name))
     yield from _robots(trial)
     yield from _at_work(trial)
     for first, second in requirements.get("exclusive", ()):
         for function in (first, second):
             if trial.is_active(function):
-                yield _seen("active", function)
+                yield seen("active", function)
         seconds, since = trial.together(first, second)
-        yield _seen("together", first, second, _rounded(seconds * 1000), _rounded(since * 1000))
+        yield seen("together", first, second, rounded(seconds * 1000), rounded(since * 1000))
     if "coverage" in requirements:
-        at_start, covered = (_rounded(share * 1000) for share in trial.coverages)
-        yield _seen("coverage", covered, _rounded(requirements["coverage"] * 1000))
-        yield _seen("covered_at_start", at_start)
+        at_start, covered = (rounded(share * 1000) for share in trial.coverages)
+        yield seen("coverage", covered, rounded(requirements["coverage"] * 1000))
+        yield seen("covered_at_start", at_start)
 
 
 def _at_work(trial: Trial) -> Iterator[Fact]:
     """Yield facts with the number of runs of each module and of messages at its inputs."""
     executor, plan = trial.executor, trial.executor.plan
     for name, runs in executor.run_counts.items():
-        yield _seen("obeyed_commands" if name in executor.effectors else "ran", name, runs)
+        yield seen("obeyed_commands" if name in executor.effectors else "ran", name, runs)
         if plan.kind(name) in ("data_out", "control_out", "sink"):
             for link in (*plan.data_in[name], *plan.control_in[name]):
                 port = plan.input_name(link)
                 entry = "it" if port is None else f"its input `{port}`"
-                yield _fact(link.span, "came", name, entry, plan.origin_of(link), link.delivered)
+                yield fact_at(link.span, "came", name, entry, plan.origin_of(link), link.delivered)
 
 
 def _robots(trial: Trial) -> Iterator[Fact]:
     """Yield the names, contacts, clearances and missed goals of robots, and obstacles."""
     scenario = trial.scenario
-    yield _seen("called", THING, "something")
+    yield seen("called", THING, "something")
     for robot in scenario.robots:
-        yield _seen("called", robot.name, scenario.called(robot))
+        yield seen("called", robot.name, scenario.called(robot))
     world = trial.bodies[0].world
     for kind, present in (("fixed", world.is_built), ("moving", bool(world.moving))):
         if present:
-            yield _fact(scenario.span, "solid", Atom(kind))
+            yield fact_at(scenario.span, "solid", Atom(kind))
     for robot, body in trial.robots:
         yield from _contacts(trial, robot, body)
         if body.driven:
-            yield _seen("travelled", robot.name)
+            yield seen("travelled", robot.name)
     if "clearance" in scenario.requirements:
         result = set[frozenset[str]]()
         for body in sorted(trial.bodies, key=lambda body: body.clearance):
@@ -276,8 +279,8 @@ def _robots(trial: Trial) -> Iterator[Fact]:
                 result.add(pair)
                 least, required = least_approach(body), scenario.requirements["clearance"]
                 numbers = body.clearance, required, least.at if least else 0.0
-                rounded = (_rounded(number * 1000) for number in numbers)
-                yield _seen("clearance", body.name, body.beside, *rounded)
+                whole = (rounded(number * 1000) for number in numbers)
+                yield seen("clearance", body.name, body.beside, *whole)
     for robot in scenario.robots:
         if robot.reach is not None:
             yield from _place_facts(trial, robot, robot.reach)
@@ -290,24 +293,24 @@ def _place_facts(trial: Trial, robot: ScenarioRobot, reach: Mapping[str, Any]) -
     x, y = reach["at"]
     radius, place = reach.get("radius", 200.0), _reach_span(trial, robot)
     if dist((x, y), robot.start[:2]) <= radius:
-        yield _fact(place, "starts_there", robot.name, _place_text(x, y))
+        yield fact_at(place, "starts_there", robot.name, _place_text(x, y))
     gap = trial.bodies[0].world.without_moving().distance((x, y), 0.0)
-    lengths = (_rounded(length * 1000) for length in (gap, radius, robot.radius))
-    yield _fact(place, "place_gap", robot.name, _place_text(x, y), *lengths)
+    lengths = (rounded(length * 1000) for length in (gap, radius, robot.radius))
+    yield fact_at(place, "place_gap", robot.name, _place_text(x, y), *lengths)
 
 
 def _missed(trial: Trial, robot: ScenarioRobot, reach: Mapping[str, Any]) -> Iterator[Fact]:
     """Yield the deadline of a missed goal, and the minimal distance of the robot from it."""
     scenario = trial.scenario
     within = reach.get("within", scenario.duration)
-    yield _fact(_reach_span(trial, robot), "deadline", robot.name, _rounded(within * 1000))
-    ended = _rounded(min(within, scenario.duration) * 1000)
-    yield _seen("never_reached", robot.name, ended)
+    yield fact_at(_reach_span(trial, robot), "deadline", robot.name, rounded(within * 1000))
+    ended = rounded(min(within, scenario.duration) * 1000)
+    yield seen("never_reached", robot.name, ended)
     x, y = reach["at"]
     distance, at = trial.nearest(robot)
     # Messages are clearer with whole millimetres.
-    result = _rounded(round(distance) * 1000), _rounded(at * 1000)
-    yield _seen("came_nearest", robot.name, _place_text(x, y), *result)
+    result = rounded(round(distance) * 1000), rounded(at * 1000)
+    yield seen("came_nearest", robot.name, _place_text(x, y), *result)
 
 
 def _reach_span(trial: Trial, robot: ScenarioRobot) -> Span:
@@ -329,7 +332,7 @@ def _written_numbers(facts: Iterable[Fact]) -> Iterator[Fact]:
         if fact.atom.name == "failed":
             numbers[_TIMES, int(str(arguments[1]))] = None
     for unit, number in numbers:
-        yield _seen(
+        yield seen(
             "written", Atom(unit) if unit == _TIMES else unit, number, in_words(unit, number)
         )
 
@@ -379,25 +382,25 @@ def _judged_parts(trial: Trial) -> Iterator[str]:
 
 def _services(trial: Trial) -> Iterator[Fact]:
     for each in promises(trial):
-        yield _seen("delivered", each.number, _rounded(each.delivered))
+        yield seen("delivered", each.number, rounded(each.delivered))
         if each.promised is not None:
             link, plan = each.link, trial.executor.plan
             clients = " and ".join(plan.targets_of(link)) or link.client
-            ends = plan.origin_of(link), clients, _rounded(each.promised)
-            yield _fact(link.span, "promised", each.number, *ends)
+            ends = plan.origin_of(link), clients, rounded(each.promised)
+            yield fact_at(link.span, "promised", each.number, *ends)
 
 
 def _control(trial: Trial) -> Iterator[Fact]:
     now = trial.executor.schedule.now
     for link in trial.executor.links:
         if link.kind == "control" and link.delivered and link.client in trial.executor.effectors:
-            yield _fact(link.span, "commanded_by", link.client, link.source)
+            yield fact_at(link.span, "commanded_by", link.client, link.source)
         arbiter = trial.executor.arbiters.get(link.client)
         if arbiter is not None and link.kind == "control":
             # The latest of all passes under `latest`.
             equal = isinstance(arbiter, HierarchicalArbitration) and arbiter.equal
             priority = 0 if equal else link.priority
-            yield _fact(link.span, "ranked", link.client, link.source, priority)
+            yield fact_at(link.span, "ranked", link.client, link.source, priority)
     for name, arbiter in trial.executor.arbiters.items():
         if not isinstance(arbiter, HierarchicalArbitration):
             continue
@@ -425,8 +428,8 @@ def _arbitrated(name: str, arbiter: HierarchicalArbitration, now: int) -> Iterat
                 if start >= until:
                     break
                 if holder != link.source:
-                    both = _milliseconds(max(start, since)), _milliseconds(min(end, until))
-                    yield _seen("coincided", name, holder, link.source, *both)
+                    both = milliseconds(max(start, since)), milliseconds(min(end, until))
+                    yield seen("coincided", name, holder, link.source, *both)
 
 
 def _contacts(trial: Trial, robot: ScenarioRobot, body: Body) -> Iterator[Fact]:
@@ -434,15 +437,15 @@ def _contacts(trial: Trial, robot: ScenarioRobot, body: Body) -> Iterator[Fact]:
     commands = tuple(trial.commands(robot))
     starts = [since for since, *_ in commands]
     for at, other in zip(body.contacts, body.struck, strict=True):
-        instant = _rounded(at * 1000)
-        yield _seen("collided", robot.name, other, instant)
+        instant = rounded(at * 1000)
+        yield seen("collided", robot.name, other, instant)
         number = bisect_left(starts, at) - 1
         if number < 0:
             continue
         since, until, origin, command = commands[number]
         for function in command:
-            result = _rounded(since * 1000), _rounded(until * 1000)
-            yield _seen("obeyed", robot.name, instant, origin, function, *result)
+            result = rounded(since * 1000), rounded(until * 1000)
+            yield seen("obeyed", robot.name, instant, origin, function, *result)
 
 
 def _limits(trial: Trial) -> Iterator[Fact]:
@@ -458,34 +461,7 @@ def _limits(trial: Trial) -> Iterator[Fact]:
                 if function not in peaks or abs(rate) > peaks[function][0]:
                     peaks[function] = abs(rate), at // MILLISECOND
         for function, (rate, at) in peaks.items():
-            yield _seen("peak", name, function, _rounded(rate * 1000), at)
+            yield seen("peak", name, function, rounded(rate * 1000), at)
         for function, rate in trial.limits.get(name, {}).items():
             place = places.get((name, function), trial.scenario.span)
-            yield _fact(place, "limit", name, function, _rounded(rate * 1000))
-
-
-def _functions(trial: Trial) -> Iterator[Fact]:
-    """Yield facts with each effector's stated functions, and those of its device."""
-    modules = trial.executor.plan.modules
-    for name in trial.executor.effectors:
-        for function in modules[name].functions if name in modules else ():
-            yield _fact(function.span, "has_function", name, function.name)
-        for moved in trial.moves.get(name, ()):
-            yield _seen("moves", name, moved)
-
-
-def _milliseconds(time: int) -> int:
-    return _rounded(time // MILLISECOND)
-
-
-def _rounded(number: float) -> int:
-    """Round to an integer, clamped to the 32 bits of clingo."""
-    return int(max(-_MOST, min(_MOST, round(number) if abs(number) < _MOST else number)))
-
-
-def _seen(name: str, *arguments: Term) -> Fact:
-    return _fact(OBSERVED, name, *arguments)
-
-
-def _fact(span: Span, name: str, *arguments: Term) -> Fact:
-    return Fact(Atom(name, arguments), span)
+            yield fact_at(place, "limit", name, function, rounded(rate * 1000))

@@ -23,6 +23,8 @@ from mars_asp.model.declarations import (
     Reset,
     Strategy,
     ends_of,
+    ports_of,
+    with_source,
 )
 from mars_asp.model.ports import DELIVERING, inputs, outputs
 
@@ -98,19 +100,16 @@ def _from_part(
 
     Without a port, that is the module's command, or else its only output.
     """
-    source = line.trigger if isinstance(line, Gating) else line.source
+    source, port = ends_of(line)[1], ports_of(line)[1]
     if source not in split:
         return line
-    port = line.trigger_port if isinstance(line, Gating) else line.source_port
     own = split[source]
     commands = any(each.kind == "ControlOut" for each in every[source].services)
     if port is None and not commands and len(own) == 1:
         port = next(iter(own))
     if port not in own:
         return line
-    if isinstance(line, Gating):
-        return replace(line, trigger=f"{source}.{port}", trigger_port=None)
-    return replace(line, source=f"{source}.{port}", source_port=None)
+    return with_source(line, f"{source}.{port}", None)
 
 
 def _fed_parts(

@@ -34,7 +34,7 @@ from mars_asp.execution.simulator import (
 )
 from mars_asp.execution.simulator.body import planar_functions
 from mars_asp.execution.simulator.motion import Point
-from mars_asp.model.declarations import GRASP, Configuration, Function, Module
+from mars_asp.model.declarations import GRASP, Configuration, Module
 
 #: Maximal number of random positions that are tried for a circle.
 _TRIES = 10_000
@@ -362,15 +362,14 @@ def _scattered(scatter: Mapping[str, Any], scenario: Scenario) -> Iterator[Circl
             yield Circle(at, radius)
 
 
-def _limit(function: Function) -> float | None:
-    """Return the maximal rate of a function (a grasp has a width), or None if it states none."""
-    limit = function.max if function.name == GRASP else function.rate
-    return None if limit is None else float(limit)
-
-
 def _limits(modules: Mapping[str, Module], scenario: Scenario) -> dict[str, dict[str, float]]:
     limits = {
-        name: {f.name: limit for f in module.functions if (limit := _limit(f)) is not None}
+        name: {
+            f.name: float(limit)
+            for f in module.functions
+            # A grasp has a width.
+            if (limit := f.max if f.name == GRASP else f.rate) is not None
+        }
         for name, module in modules.items()
     }
     for robot in scenario.robots:

@@ -39,12 +39,13 @@ _SIDE_LINES = frozenset(
 )
 _COMMON, _SIDE_VERBS = VERBS[:3], VERBS[3:]
 _SIDE_VERB = re.compile(rf"\b(?:{'|'.join(_SIDE_VERBS)})\b")
+#: The texts of terminals in messages; that of a keyword has the keyword's name.
 _SHOWN = {
+    **{f"_{word.lstrip('@').upper()}": f"`{word}`" for word in (*KEYWORDS, *_WORDS)},
     "NAME": "a module name",
     "NUMBER": "a number",
     "PORT": "`.` and the name of a port",
     "UNIT": "`ms` or `s`",
-    "_EVERY": "`every`",
     "COLON": "`:`",
     "MODE": "a delivery mode",
     "SLOT": "an axis, a number or `_`",
@@ -56,24 +57,9 @@ _SHOWN = {
     "RPAR": "`)`",
     "_NEWLINE": "the end of the line",
     "$END": "the end of the line",
-    "_IS_MOUNTED_ON": "`is_mounted_on`",
-    "_IS_CONTROLLED_BY": "`is_controlled_by`",
-    "_USES_DATA_FROM": "`uses_data_from`",
-    "_IS_RESET_BY": "`is_reset_by`",
-    "_IS_LOCKED_BY": "`is_locked_by`",
-    "_IS_LIMITED_BY": "`is_limited_by`",
-    "_IS_ARBITRATED_BY": "`is_arbitrated_by`",
     "STRATEGY": "`hierarchical`, `latest`, `flat` or `weighted`",
-    "_HOLD": "`hold`",
     "FOREVER": "`forever`",
-    "_ALLOCATION": "`allocation`",
     "PROVIDER": "`root` or `split`",
-    "_PERIOD": "`period`",
-    "_MODULES": "`@modules`",
-    "_SOURCES": "`@sources`",
-    "_INCLUDE": "`@include`",
-    "_TAG": "`@Tag`",
-    "_PROPERTY": "`@Property`",
     "VALUE": "a value",
 }
 _WORD = re.compile(r"@?[^\s,()]+|\S")

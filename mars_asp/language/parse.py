@@ -102,10 +102,8 @@ def read_text(path: Path) -> str:
     return plain_lines(decode(read_bytes(path), str(path)))
 
 
-def read_bytes(path: Path, most: int = MOST_BYTES, named_in: str | None = None) -> bytes:
-    """Return the content of a file; of a larger one `most` bytes and one more.
-
-    `named_in` is the file that refers to it, or None if the user names it.
+def read_bytes(path: Path, most: int = MOST_BYTES) -> bytes:
+    """Return the content of a file that the user names; of a larger one `most` bytes and one more.
 
     Raises:
         MarsError: the file cannot be read, or lies outside of the permitted folders.
@@ -114,7 +112,7 @@ def read_bytes(path: Path, most: int = MOST_BYTES, named_in: str | None = None) 
     if held is not None:
         return held[: most + 1]
     try:
-        return read_file(path, most, named_in)
+        return read_file(path, most)
     except OSError as error:
         advice = error.advice if isinstance(error, WallError) else None
         reason = error.strerror or "cannot be read"

@@ -8,7 +8,6 @@ from mars_asp.model.attributes import Attribute
 from mars_asp.model.declarations import (
     Configuration,
     Control,
-    Conversion,
     Data,
     Function,
     Gating,
@@ -144,7 +143,9 @@ def _configuration_lines(configuration: Configuration) -> Iterator[str]:
         if not isinstance(relationship, Mount) and fed in brought:
             yield f"// {written(fed)}: {OF_PACK} {brought.pop(fed)}"
         if isinstance(relationship, Data) and relationship.client in conversions:
-            yield _conversion(conversions[relationship.client])
+            made = conversions[relationship.client]
+            converter = ABSTRACT if made.converter is None else written(made.converter)
+            yield f"// {made.transformer}: {converter} ({made.source} -> {made.target})"
         if isinstance(relationship, Control) and relationship.controlled in modules:
             node = relationship.controlled
             yield f"// {node}: {written(modules.pop(node))}"
@@ -174,12 +175,6 @@ def _packs(configuration: Configuration) -> dict[str, str]:
         return {}
     kinds = {name.text: configuration.pack_kind(name.text) for name in configuration.modules}
     return {name: kind.pack for name, kind in kinds.items() if kind is not None}
-
-
-def _conversion(conversion: Conversion) -> str:
-    named = conversion.converter
-    converter = ABSTRACT if named is None else written(named)
-    return f"// {conversion.transformer}: {converter} ({conversion.source} -> {conversion.target})"
 
 
 def _number_words(number: int | None) -> tuple[str, ...]:

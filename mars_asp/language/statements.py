@@ -1,9 +1,8 @@
 """Converts parsed statements to model values, and checks each statement by itself."""
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from decimal import Decimal
 from fractions import Fraction
 from typing import Any, TypeAlias, cast
 
@@ -53,7 +52,8 @@ from mars_asp.model.rates import every, read_frequency
 from mars_asp.model.transformation import read_transformation
 
 #: The name of a statement's rule and its children: words, absent ones as None, and statements.
-Raw: TypeAlias = tuple[str, list["Word | Raw | None"]]
+#: The methods that add statements declare the children that the grammar gives each rule.
+Raw: TypeAlias = tuple[str, list[Any]]
 PERIODIC = "NotifyAtFrequency"
 #: A path, and the prefix of the included names: after the last `as` before a valid name, else the
 #: text after `as`.
@@ -92,13 +92,7 @@ def _instance(child: "Word | Raw") -> tuple[Word, Word | None]:
     if isinstance(child, Word):
         return child, None
     word, described = child[1]
-    assert isinstance(word, Word)
-    assert isinstance(described, Word)
     return word, described
-
-
-def _text(word: Word | None) -> str | None:
-    return None if word is None else str(word)
 
 
 class Builder:
@@ -122,7 +116,7 @@ class Builder:
         """Add a statement whose offsets are relative to `base`."""
         self._base = base
         rule, children = raw
-        _ADD[rule](self, children)
+        _ADD[rule](self, tuple(children))
 
     def configuration(self, complete: bool) -> Configuration:
         """Return the configuration; if `complete`, add errors for missing statements."""
@@ -156,9 +150,8 @@ class Builder:
             attributed=tuple(self._attributed),
         )
 
-    def _add_header(self, children: list[Word | None]) -> None:
+    def _add_header(self, children: tuple[Word, Word | None, Word | None]) -> None:
         kind, architecture, period = children
-        assert kind is not None
         if self._header is not None:
             first, _ = self._header
             twice = f"`{kind}` occurs twice in the file"
@@ -169,7 +162,7 @@ class Builder:
         self._period = self._read_integer(period, PERIOD)
         self._header_span = self._span(kind, kind)
 
-    def _add_modules(self, children: list["Word | Raw"]) -> None:
+    def _add_modules(self, children: Sequence[Word | Raw]) -> None:
         named = [_instance(child) for child in children]
         if self._modules is not None:
             self._note_word(
@@ -184,11 +177,10 @@ class Builder:
                 described = None if description is None else str(description)
                 self._modules[str(word)] = Name(str(word), span, described)
 
-    def _add_sources(self, children: list[Word]) -> None:
-        for word in children:
-            self._sources.append(Name(word.strip(), self._span(word, word)))
+    def _add_sources(self, children: Sequence[Word]) -> None:
+        self._sources += (Name(word.strip(), self._span(word, word)) for word in children)
 
-    def _add_include(self, children: list[Word]) -> None:
+    def _add_include(self, children: tuple[Word]) -> None:
         (word,) = children
         path, name = word.strip(), None
         match = next(filter(None, (re.fullmatch(form, path) for form in _AS)), None)
@@ -202,7 +194,7 @@ class Builder:
                 self._note_problem(self._base + begin, self._base + end, message, help_text)
         self._includes.append(Include(path, name, self._span(word, word)))
 
-    def _add_attribute(self, word: str, children: list[Word]) -> None:
+    def _add_attribute(self, word: str, children: Sequence[Word]) -> None:
         module, first, last = children[0], children[1], children[-1]
         text = self.layout.grammatical[self._base + first.begin : self._base + last.end]
         read = read_attribute(word, text)
@@ -214,16 +206,12 @@ class Builder:
             attribute = Attribute(name, self._span(module, last), value)
             self._attributed.append(Attributed(str(module), attribute))
 
-    def _add_mount(self, children: list["Word | Raw | None"]) -> None:
+    def _add_mount(self, children: tuple[Word, Word | None, Word, Word | None, Raw | None]) -> None:
         mounting, vertex, mounted, on, transformation = children
-        assert isinstance(mounting, Word)
-        assert isinstance(mounted, Word)
-        last, value = mounted, None
-        if isinstance(transformation, tuple):
-            slots = [word for word in transformation[1] if isinstance(word, Word)]
+        last, value = on or mounted, None
+        if transformation is not None:
+            slots = [word for word in transformation[1] if word is not None]
             last, value = slots[-1], self._transformation(slots)
-        elif isinstance(on, Word):
-            last = on
         self._relationships.append(
             Mount(
                 str(mounting),
@@ -246,18 +234,15 @@ class Builder:
             self._note_word(slots[problem.begin], problem.message, problem.help)
         return None
 
-    def _add_control(self, children: list["Word | Raw"]) -> None:
+    def _add_control(self, children: tuple[Word, *tuple[Raw, ...]]) -> None:
         controlled, *controllers = children
-        assert isinstance(controlled, Word)
-        for order, controller in enumerate(controllers):
-            assert isinstance(controller, tuple)
-            name, priority, hold, allocation = controller[1]
-            assert isinstance(name, Word)
-            last = next(t for t in (allocation, hold, priority, name) if isinstance(t, Word))
+        for order, (_, controller) in enumerate(controllers):
+            name, priority, hold, allocation = controller
+            last = allocation or hold or priority or name
             begin = controlled if len(controllers) == 1 else name
             rank = self._read_integer(priority, PRIORITY)
             if len(controllers) > 1:
-                if isinstance(priority, Word):
+                if priority is not None:
                     self._note_word(
                         priority,
                         "a priority in a list of controllers",
@@ -276,13 +261,12 @@ class Builder:
                 )
             )
 
-    def _add_data(self, children: list["Word | Raw | None"]) -> None:
+    def _add_data(
+        self,
+        children: tuple[Word, Word | None, Word, Word | None, Word | None, Word | Raw | None],
+    ) -> None:
         client, client_port, source, source_port, written, number = children
-        assert isinstance(client, Word)
-        assert isinstance(source, Word)
-        assert not isinstance(written, tuple)
-        for name, port in ((client, client_port), (source, source_port)):
-            self._check_port(name, port)
+        ports = self._read_port(client, client_port), self._read_port(source, source_port)
         mode = None
         if written == "every":
             help_text = "write a period with its unit, such as `every 17 ms` or `every 3 s`"
@@ -304,36 +288,28 @@ class Builder:
                 f"a frequency belongs to `{PERIODIC}`; leave it out or require that mode",
             )
         last = number[1][-1] if isinstance(number, tuple) else number
-        words = (last, written, source_port, source)
-        span = self._span(client, next(word for word in words if isinstance(word, Word)))
-        ports = (None if port is None else str(port) for port in (client_port, source_port))
+        span = self._span(client, last or written or source_port or source)
         self._relationships.append(Data(str(client), str(source), span, mode, hz, *ports))
 
-    def _add_gating(self, children: list[Word | None]) -> None:
+    def _add_gating(
+        self, children: tuple[Word, Word | None, Word, Word, Word | None, Word]
+    ) -> None:
         gated, port, word, trigger, trigger_port, number = children
-        assert gated is not None
-        assert word is not None
-        assert trigger is not None
-        assert number is not None
         ms = self._read_integer(number, CLOSED)
         sign = next(each for each, text in GATING.items() if text == word)
         ports = (self._read_port(gated, port), self._read_port(trigger, trigger_port))
         span = self._span(gated, number)
         self._relationships.append(Gating(str(gated), str(trigger), span, sign, ms or 1, *ports))
 
-    def _add_reset(self, children: list[Word | None]) -> None:
+    def _add_reset(self, children: tuple[Word, Word, Word | None]) -> None:
         module, source, port = children
-        assert module is not None
-        assert source is not None
         span = self._span(module, port or source)
         self._relationships.append(
             Reset(str(module), str(source), span, self._read_port(source, port))
         )
 
-    def _add_lock(self, children: list[Word | None]) -> None:
+    def _add_lock(self, children: tuple[Word, Word, Word | None, Word | None, Word | None]) -> None:
         controlled, source, port, priority, hold = children
-        assert controlled is not None
-        assert source is not None
         self._relationships.append(
             Lock(
                 str(controlled),
@@ -345,10 +321,8 @@ class Builder:
             )
         )
 
-    def _add_limit(self, children: list[Word | None]) -> None:
+    def _add_limit(self, children: tuple[Word, Word, Word | None, Word | None]) -> None:
         controlled, source, port, hold = children
-        assert controlled is not None
-        assert source is not None
         self._relationships.append(
             Limit(
                 str(controlled),
@@ -359,10 +333,8 @@ class Builder:
             )
         )
 
-    def _add_strategy(self, children: list[Word | None]) -> None:
+    def _add_strategy(self, children: tuple[Word, Word, Word | None]) -> None:
         controlled, strategy, period = children
-        assert controlled is not None
-        assert strategy is not None
         if period is not None and strategy not in ("flat", "weighted"):
             help_text = "`flat` and `weighted` take means over a period; leave it out"
             self._note_word(period, f"a period after `{strategy}`", help_text)
@@ -377,22 +349,18 @@ class Builder:
 
     def _read_port(self, name: Word, port: Word | None) -> str | None:
         """Return the text of a port, if there is one, and add an error for a blank before it."""
-        self._check_port(name, port)
-        return _text(port)
+        if port is None:
+            return None
+        begin, end = self._base + name.end, self._base + port.end
+        if self.layout.grammatical[begin] != ".":
+            message = f"a blank before `.{port}`"
+            self._note_problem(begin, end, message, "write `MODULE.PORT` without a blank")
+        return str(port)
 
-    def _check_port(self, name: Word, port: "Word | Raw | None") -> None:
-        """Add an error if blanks separate a port from its module."""
-        if isinstance(port, Word) and self.layout.grammatical[self._base + name.end] != ".":
-            begin, end = self._base + name.end, self._base + port.end
-            self._note_problem(
-                begin, end, f"a blank before `.{port}`", "write `MODULE.PORT` without a blank"
-            )
-
-    def _read_rate(self, child: "Word | Raw | None") -> tuple[Fraction | None, Word | None]:
+    def _read_rate(self, child: Word | Raw | None) -> tuple[Fraction | None, Word | None]:
         """Return a stated rate and the word of its number; None for a missing or wrong rate."""
         if isinstance(child, tuple):
             number, unit = child[1]
-            assert isinstance(number, Word)
             period = self._read_integer(number, PERIODS[str(unit)])
             return (None if period is None else every(period, str(unit))), number
         if child is None:
@@ -403,19 +371,15 @@ class Builder:
             return None, child
         return found, child
 
-    def _read_number(self, word: "Word | Raw | None", wanted: NumberRange) -> Decimal | None:
+    def _read_integer(self, word: Word | None, wanted: NumberRange) -> int | None:
         """Return the number in a word; None without a word, and with an error if invalid."""
-        if not isinstance(word, Word):
+        if word is None:
             return None
         found = wanted.read(str(word))
         if isinstance(found, Problem):
             self._note_word(word, found.message, found.help)
             return None
-        return found
-
-    def _read_integer(self, word: "Word | Raw | None", wanted: NumberRange) -> int | None:
-        found = self._read_number(word, wanted)
-        return None if found is None else int(found)
+        return int(found)
 
     def _span(self, first: Word, last: Word) -> Span:
         return self.layout.span(self._base + first.begin, self._base + last.end)
@@ -433,7 +397,7 @@ class Builder:
 
 
 #: By the rules of the grammar, what adds a statement.
-_ADD: Mapping[str, Callable[[Builder, list[Any]], None]] = {
+_ADD: Mapping[str, Callable[[Builder, Any], None]] = {
     "header": Builder._add_header,
     "modules": Builder._add_modules,
     "sources": Builder._add_sources,

@@ -113,7 +113,10 @@ class Places:
         """Return the location of a key or list entry, else of the table that would contain it."""
         for count in range(len(path), 0, -1):
             if self._open(path[:count]):
-                return self._span(self._stands[path[:count]])
+                line, column = self._stands[path[:count]].start_point
+                # Columns of a node count bytes.
+                before = self._lines[line].encode()[:column].decode()
+                return point(self._path, line + 1, len(before) + 1)
         return whole_file(self._path)
 
     def _open(self, path: Path) -> bool:
@@ -155,12 +158,6 @@ class Places:
             path = (*path, _meant(part))
             self._stands.setdefault(path, part)
         return path
-
-    def _span(self, node: "Node") -> Span:
-        """Return the location of a node, whose columns count bytes."""
-        line, column = node.start_point
-        before = self._lines[line].encode()[:column].decode()
-        return point(self._path, line + 1, len(before) + 1)
 
 
 def _key_parts(key: "Node") -> Iterable["Node"]:

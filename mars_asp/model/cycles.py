@@ -74,16 +74,12 @@ def _way_back(
         for node in level:
             for end in successors.get(node, ()):
                 if end == root:
-                    return _path(root, node, came)
+                    path = [node]
+                    while path[-1] != root:
+                        path.append(came[path[-1]])
+                    return tuple(reversed(path))
                 if end in inside and end not in came:
                     came[end] = node
                     following.append(end)
         level, length = following, length + 1
     return ()
-
-
-def _path(root: str, node: str, came: dict[str, str]) -> tuple[str, ...]:
-    path = [node]
-    while path[-1] != root:
-        path.append(came[path[-1]])
-    return tuple(reversed(path))

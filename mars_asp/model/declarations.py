@@ -359,6 +359,13 @@ def with_ends(relationship: Relationship, left: str, right: str) -> Relationship
     return replace(relationship, **names)
 
 
+def with_source(relationship: Relationship, source: str, port: str | None) -> Relationship:
+    """Return a relationship with another right end, and with its port if the kind has one."""
+    name = "trigger_port" if isinstance(relationship, Gating) else "source_port"
+    ports: dict[str, Any] = {name: port} if hasattr(relationship, name) else {}
+    return replace(with_ends(relationship, ends_of(relationship)[0], source), **ports)
+
+
 @dataclass(frozen=True, slots=True)
 class Conversion:
     """The conversion of a transformer in a specification, as in its comment.

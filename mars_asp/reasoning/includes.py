@@ -20,7 +20,6 @@ from mars_asp.model.declarations import (
     Include,
     Module,
     Name,
-    Relationship,
     ends_of,
     with_ends,
 )
@@ -204,7 +203,10 @@ def _with_prefix(prefix: str, parsed: Parsed) -> Parsed:
     declared = tuple(
         replace(module, name=_prefixed(prefix, module.name)) for module in inner.declared
     )
-    lines = tuple(_renamed(prefix, line) for line in inner.relationships)
+    lines = tuple(
+        with_ends(line, *(_prefixed(prefix, name) for name in ends_of(line)))
+        for line in inner.relationships
+    )
     attributed = tuple(
         replace(line, module=name)
         for line in inner.attributed
@@ -269,10 +271,6 @@ def name_within(prefix: str, name: str) -> str | None:
         return name
     candidates = (name.removeprefix(cut) for cut in (f"/{prefix}", f"{prefix}/"))
     return next((each for each in candidates if each and _prefixed(prefix, each) == name), None)
-
-
-def _renamed(prefix: str, line: Relationship) -> Relationship:
-    return with_ends(line, *(_prefixed(prefix, name) for name in ends_of(line)))
 
 
 def instances(configuration: Configuration, described: Mapping[str, Module]) -> Iterator[Module]:

@@ -49,7 +49,9 @@ def lint(packs: Sequence[Path], grounded: bool = True) -> LintResult:
     without errors are also grounded over sample robots, unless a recursion may grow without end.
     """
     errors: list[Diagnostic] = []
-    beside = _companions(packs)
+    needed = {each.resolve(): each for pack in packs for each in with_companions(pack)}
+    paths = {pack.resolve() for pack in packs}
+    beside = [needed[place] for place in needed if place not in paths]
     rulebook = load_rulebook([*beside, *packs], STAGES, strict=not packs, noted=errors)
     others: list[Diagnostic] = []
     misread: list[Diagnostic] = []
@@ -86,13 +88,6 @@ def lint(packs: Sequence[Path], grounded: bool = True) -> LintResult:
         others = [each for each in others if not _is_in(each.span, beside)]
         lints = [each for each in lints if not _is_in(each.diagnostic.span, beside)]
     return LintResult(tuple(errors), tuple(others), tuple(lints))
-
-
-def _companions(packs: Sequence[Path]) -> tuple[Path, ...]:
-    """Return the packs in the same folders that the packs need, without the packs themselves."""
-    given = {each.resolve() for each in packs}
-    found = {each.resolve(): each for pack in packs for each in with_companions(pack)}
-    return tuple(each for place, each in found.items() if place not in given)
 
 
 def _is_in(span: Span, folders: Sequence[Path]) -> bool:

@@ -272,7 +272,7 @@ def _empty(folder: Path) -> Iterator[Diagnostic]:
     inside = sorted(each.parent for each in folder.glob(f"*/{MANIFEST}"))
     named = [each for each in FOLDERS if any((folder / each).glob("*.lp"))]
     if inside:
-        advice = f"give each pack in it: {' '.join(f'--rules {each}' for each in inside)}"
+        advice = f"give each pack in it: {', '.join(f'`{each}`' for each in inside)}"
     elif named:
         advice = f"folders such as `{named[0]}` need a manifest beside them, `{MANIFEST}`"
     else:

@@ -11,7 +11,7 @@ from mars_asp.asp.messages import rendered_messages, saying
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature, plain
-from mars_asp.asp.solve.atoms import Atom, Fact
+from mars_asp.asp.solve.atoms import Atom, Fact, fact_at
 from mars_asp.asp.solve.grounding import Grounding, Resolution
 from mars_asp.asp.solve.term_ids import as_symbol
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
@@ -206,14 +206,6 @@ def written_cost(
         return verification.grounding.resolve(rulebook.fragments("cost"), deadline)
 
 
-def _judged(rulebook: Rulebook) -> frozenset[str]:
-    """Return the names of facts that configurations and specifications both have."""
-    base = set(given_in(rulebook, "base"))
-    judged = given_in(rulebook, "verify")
-    given = (each._replace(name=each.name.removeprefix(_OF_SPECIFICATION)) for each in judged)
-    return frozenset(each.name for each in given if each in base)
-
-
 def specification_facts(
     specification: Configuration,
     project: Project,
@@ -236,17 +228,24 @@ def specification_facts(
         project.rates,
         _shared_names(specification, own, project),
     )
-    wanted = _judged(rulebook)
+    # The names of facts that configurations and specifications both have.
+    base, judged = set(given_in(rulebook, "base")), given_in(rulebook, "verify")
+    given = (each._replace(name=each.name.removeprefix(_OF_SPECIFICATION)) for each in judged)
+    wanted = frozenset(each.name for each in given if each in base)
     for fact in configuration_facts(specification, own, wanted, naming):
         name = f"{_OF_SPECIFICATION}{fact.atom.name}"
         yield Fact(Atom(name, fact.atom.arguments), fact.span)
     yield from _positions(specification, project)
     yield from mount_tuples("mount_tuple", project.configuration)
     yield from mount_tuples(f"{_OF_SPECIFICATION}mount_tuple", specification)
-    yield from _conversion_facts(specification, naming.names)
-    for each in specification.stand_ins:
-        yield Fact(Atom("spec_stands_for", (each.node, each.module)), each.span)
     canonical = naming.names.canonical
+    for each in specification.conversions:
+        ends = (canonical[name] for name in (each.source, each.target))
+        yield fact_at(each.span, "spec_converts", each.transformer, *ends)
+        if each.converter is not None:
+            yield fact_at(each.span, "spec_converter", each.transformer, each.converter)
+    for stand_in in specification.stand_ins:
+        yield fact_at(stand_in.span, "spec_stands_for", stand_in.node, stand_in.module)
     yield from instance_facts(_OF_SPECIFICATION, specification, {})
     yield from instance_facts("", project.configuration, described)
     yield from description_facts(_OF_SPECIFICATION, own, canonical)
@@ -303,13 +302,3 @@ def _shared_names(
     return RepresentationNames(
         {name: known.get(longest, longest) for name, longest in full}, together.ambiguous
     )
-
-
-def _conversion_facts(specification: Configuration, names: RepresentationNames) -> Iterator[Fact]:
-    """Yield the conversions that comments state, with canonical representations."""
-    for conversion in specification.conversions:
-        node, span = conversion.transformer, conversion.span
-        ends = (names.canonical[name] for name in (conversion.source, conversion.target))
-        yield Fact(Atom("spec_converts", (node, *ends)), span)
-        if conversion.converter is not None:
-            yield Fact(Atom("spec_converter", (node, conversion.converter)), span)

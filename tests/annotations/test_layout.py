@@ -153,7 +153,7 @@ def extracted(path: Path, data: bytes) -> list[object]:
 
 @pytest.mark.parametrize("name", sorted(SUFFIXES))
 @settings(
-    max_examples=60 if IS_CAMPAIGN else 20,
+    max_examples=60 if IS_CAMPAIGN else 8,
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],

@@ -10,10 +10,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mars_asp.behaviour.values import copied
+from tests.support.campaigns import examples
+from tests.support.strategies import few
 
 
 class Colour(Enum):
@@ -155,6 +157,7 @@ def spoil(value: Any) -> None:
         value["spoilt"] = 1
 
 
+@settings(few, max_examples=examples(30, 100))
 @given(VALUES)
 def test_no_change_of_a_copy_is_seen_in_the_original(value: Any) -> None:
     before, other = repr(value), copied(value)

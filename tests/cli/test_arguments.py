@@ -84,7 +84,21 @@ def test_the_help_of_a_verb_shows_its_example(name: str, capsys: Captured) -> No
         # An option or a value that the command does not have is not proposed.
         (["test", "--sarif"], "unrecognized arguments: --sarif; see"),
         (["check", "-k", "guard"], "did you mean `--select`?"),
-        (["test", "-k", "guard"], "unrecognized arguments: -k; see"),
+        # Other options have no words of this tool, but there is another way.
+        (["test", "-k", "guard"], "arguments: -k: name the files of the cases to run; see"),
+        (["facts", "a.mars", "-o", "a.lp"], "arguments: -o a.lp: redirect standard output, as in"),
+        (["explain", "a.mars", "--format", "html"], "`-o explained.html`; see"),
+        (["diff", "a.mars", "b.mars", "--exit-code"], "the status is 1 where an error appeared;"),
+        (["rules", "test", "pack"], "did you mean `test`?"),
+        (
+            ["synthesise", "a.mars", "--alternatives"],
+            "`mars-asp explain FILE --alternatives` lists",
+        ),
+        (["fmt", "-w", "a.mars"], "arguments: -w: `fmt` changes the files without it; see"),
+        (["check", "--watch"], "arguments: --watch: `mars-asp lsp`, the server for editors,"),
+        (["draw", "a.mars", "-Tpng"], "arguments: -Tpng: did you mean `--as`?"),
+        (["check", "--max-warnings", "0"], "did you mean `--fail-on warning`?"),
+        (["solve", "a.mars"], "no command `solve`: did you mean `synthesise`?"),
         (["test", "-j", "2"], "did you mean `--jobs`?"),
         (["check", "--no-color"], "did you mean `--color never`?"),
         (["check", "-Werror"], "did you mean `--fail-on warning`?"),

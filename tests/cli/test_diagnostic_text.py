@@ -42,6 +42,8 @@ def shown(tmp_path: Path, text: str, *places: tuple[int, int, int], width: int =
         ("\n", [(1, 1, 1)], []),
         ("A\n", [(9, 1, 1)], []),
         ("b b\n", [(1, 1, 2), (1, 3, 4)], ["    1 | b b", "      | ^", "      |   - place 2"]),
+        # Marks are not repeated.
+        ("b\n", [(1, 1, 2), (1, 1, 2)], ["    1 | b", "      | ^", "      |  place 2"]),
         (
             "\n" * 8 + "A\nB\n",
             [(9, 1, 2), (10, 1, 2)],

@@ -403,3 +403,12 @@ def test_an_error_in_a_pack_is_reported_once(here: Path, capsys: Captured) -> No
     output = capsys.readouterr().out
     assert output.count("p/pack.toml:1:1: error: `name`") == 1
     assert "a.mars:3:1: error:" in output
+
+
+def test_an_output_replaces_an_older_one_in_the_folder(here: Path, capsys: Captured) -> None:
+    write(here, {**package("ws/src/a"), "a.mars": MARS})
+    for _ in range(2):
+        assert run_here(["check", ".", "--format", "junit", "-o", "found.xml"]) == 0
+    # Robots are inputs.
+    assert run_here(["check", ".", "-o", "ws/src/a/launch/r.launch.xml"]) == 2
+    assert "was read as an input" in capsys.readouterr().err

@@ -122,7 +122,7 @@ def graphs(draw: st.DrawFn) -> Graph:
     return Graph("x", tuple(nodes), muxes, draw(st.booleans()))
 
 
-@settings(max_examples=30 if IS_CAMPAIGN else 10, deadline=None, derandomize=True)
+@settings(max_examples=30 if IS_CAMPAIGN else 5, deadline=None, derandomize=True)
 @given(graphs(), st.sampled_from(["ros2", "rosgraph", "twist_mux"]))
 def test_whatever_a_graph_holds_is_saved(graph: Graph, origin: str) -> None:
     found = replace(configuration_of(graph)[0], origin=origin)

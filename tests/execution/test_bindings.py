@@ -33,7 +33,7 @@ def test_parameters_are_given_the_messages_of_their_lines(seed: int) -> None:
     assert_bound_as_written(seed)
 
 
-@pytest.mark.parametrize("seed", SEEDS[:4])
+@pytest.mark.parametrize("seed", SEEDS[:2])
 def test_lines_of_other_clients_change_no_input_and_no_message(seed: int) -> None:
     assert_order_of_clients_is_free(seed)
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from mars_asp.lsp.questions import CheckedFile, LintedFile
+from tests.support.campaigns import sample
 from tests.support.documents import ROOT
 from tests.support.editor_answers import editor_answer, editor_findings, printed
 
@@ -28,7 +29,7 @@ def shown(path: Path) -> str:
     return str(path.relative_to(ROOT))
 
 
-@pytest.mark.parametrize("path", CONFIGURATIONS, ids=shown)
+@pytest.mark.parametrize("path", sample(CONFIGURATIONS, 3), ids=shown)
 def test_a_robot_has_the_diagnostics_of_check(path: Path) -> None:
     found = editor_answer("check", path)
     assert isinstance(found, CheckedFile)

@@ -18,6 +18,7 @@ from tests.support.documents import ROOT
 CASES = ROOT / "tests" / "rules"
 
 
+@cache
 def rule_files(folder: Path = ROOT / "rules") -> tuple[MutatedFile, ...]:
     """Return all rule files, those of the base first."""
     paths = [*sorted(folder.glob("*.lp")), *sorted(folder.glob("*/*.lp"))]
@@ -38,14 +39,15 @@ def judge_rules(
     stronger: bool = True,
 ) -> Iterator[MutantVerdict]:
     """Yield the verdict on each mutant of the files, in no order."""
-    found = [tried(each.path, _built_in()) for each in cases_of([cases])]
+    found = [tried(each.path, built_in()) for each in cases_of([cases])]
     check = _killing_check if stronger else None
-    bench = Bench(_built_in(), found, DETERMINISTIC, EXPANSIONS, check)
+    bench = Bench(built_in(), found, DETERMINISTIC, EXPANSIONS, check)
     return judge(files, mutants, bench, jobs)
 
 
 @cache
-def _built_in() -> Rulebook:
+def built_in() -> Rulebook:
+    """Return the built-in rules of all stages, with all checks."""
     return load_rulebook(stages=STAGES, strict=True)
 
 

@@ -204,10 +204,10 @@ def is_compatible(tree: str, query: str) -> bool:
     return capability(read(tree), RULEBOOK, query).able
 
 
-@pytest.mark.parametrize("first", [5 * each for each in seeds(1, 3)])
+@pytest.mark.parametrize("first", [3 * each for each in seeds(1, 5)])
 def test_random_mount_trees(first: int) -> None:
     seen: Counter[str] = Counter()
-    found = {seed: list(differences(seed, seen)) for seed in range(first, first + 5)}
+    found = {seed: list(differences(seed, seen)) for seed in range(first, first + 3)}
     assert {seed: item for seed, item in found.items() if item} == {}
     assert seen["accepted"] and seen["refused"] and seen["pair True"], seen
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from mars_asp.reasoning.analysis import Consequence, analyse
 from mars_asp.reasoning.project import load_project, project_facts
 from mars_asp.reasoning.rules import load_rulebook
+from tests.support.campaigns import seeds
 from tests.support.random_configurations import random_faults, random_ports
 
 #: Inputs, also of twins, that may be fed by outputs of their own and of the other half.
@@ -58,7 +59,7 @@ def named(found: Consequence, prefix: str) -> tuple[str, ...]:
 
 
 def test_doubling_a_robot_doubles_its_findings(tmp_path: Path) -> None:
-    for text in (LOOSE, *map(random_ports, range(6)), *map(random_faults, range(12))):
+    for text in (LOOSE, *map(random_ports, seeds(2, 6)), *map(random_faults, seeds(4, 12))):
         check_doubled(text, tmp_path)
 
 

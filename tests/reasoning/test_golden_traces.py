@@ -145,7 +145,7 @@ def test_every_rule_has_a_golden_trace(stage: str, update_golden: bool) -> None:
     by_file: dict[Path, list[tuple[int, str]]] = {}
     rules = speaking(stage)
     files = sorted({golden_of(rule) for rule in rules})
-    some = files if update_golden else sample(files, 3)
+    some = files if update_golden else sample(files, 6)
     explained = {} if update_golden else named_in(some)
     chosen = [rule for rule in rules if golden_of(rule) in some]
     for rule, text in goldens(stage, chosen, explained):

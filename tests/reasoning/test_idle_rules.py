@@ -54,7 +54,7 @@ def statements_in(written: str) -> Sequence[Piece]:
     return [each for each in pieces(written) if each.sort != "comment"]
 
 
-@pytest.mark.parametrize("number", seeds(2, 60))
+@pytest.mark.parametrize("number", seeds(1, 60))
 def test_idle_rules_change_nothing(number: int) -> None:
     project = read(MAKERS[number % len(MAKERS)](number))
     for stage in DETERMINISTIC:

@@ -68,7 +68,7 @@ def random_robot(seed: int) -> Robot:
 def synthesised(seed: int) -> tuple[Robot, str, Sequence[str]]:
     """Return a robot, its specification, and the violations of that."""
     robot = random_robot(seed)
-    rulebook = load_rulebook((PACK,), stages=("resolve", "verify", "cost"), strict=True)
+    rulebook = load_rulebook((PACK,), stages=("resolve", "verify", "cost"))
     reasoner = Reasoner(load_project("config.mars", text=robot.text), rulebook)
     assert reasoner.synthesis is not None
     found = reasoner.synthesis.specification.configuration
@@ -91,7 +91,7 @@ def ways(end: str, feeds: Mapping[str, Sequence[str]]) -> list[tuple[str, tuple[
     ]
 
 
-@pytest.mark.parametrize("seed", seeds(6, 200))
+@pytest.mark.parametrize("seed", seeds(3, 200))
 def test_nodes_of_a_pack_are_where_its_rules_place_them(seed: int) -> None:
     robot, text, refused = synthesised(seed)
     assert refused == []

@@ -32,7 +32,7 @@ CASES = sorted(path for path in HERE.glob("*.mars") if ".expected" not in path.s
 PLACES = {path.name: path.parent for path in (HERE / "packs").iterdir()}
 
 every_case = pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
-some_cases = pytest.mark.parametrize("path", sample(CASES, 3), ids=lambda path: path.stem)
+some_cases = pytest.mark.parametrize("path", sample(CASES, 6), ids=lambda path: path.stem)
 
 
 def packs_of(path: Path) -> tuple[Path, ...]:
@@ -43,7 +43,7 @@ def packs_of(path: Path) -> tuple[Path, ...]:
 
 @cache
 def rulebook(packs: tuple[Path, ...]) -> Rulebook:
-    return load_rulebook(packs, stages=("resolve", "verify", "cost"), strict=True)
+    return load_rulebook(packs, stages=("resolve", "verify", "cost"))
 
 
 @cache
@@ -152,7 +152,7 @@ def test_a_specification_without_its_node_or_past_it_is_refused(path: Path) -> N
         nodes = [*{specification.pack_kind(node): node for node in nodes}.values()]
     made = [(node, *change) for node in nodes for change in changes(specification, node)]
     # Each case begins with another change, so that all are tried on some.
-    some = sample(made, 6, CASES.index(path) % 3)
+    some = sample(made, 12, CASES.index(path) % 3)
     accepted = [(node, how) for node, how, changed in some if not judged(changed, reasoner)]
     assert accepted == []
 

@@ -32,7 +32,7 @@ from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.synthesis.synthesise import synthesise
 from mars_asp.reasoning.verification import judge_specification, verify, written_cost
-from tests.support.campaigns import seeds
+from tests.support.campaigns import sample, seeds
 from tests.support.documents import run
 from tests.support.fixtures import Captured, Patch
 from tests.support.random_configurations import random_configuration
@@ -201,12 +201,12 @@ def refuses_every_mutation(text: str, seed: int) -> None:
         assert verify(changed, project, RULEBOOK), print_configuration(changed)
 
 
-@pytest.mark.parametrize("seed", seeds(2, 20))
+@pytest.mark.parametrize("seed", seeds(1, 20))
 def test_a_changed_synthesis_is_refused(seed: int) -> None:
     refuses_every_mutation(random_configuration(seed), seed)
 
 
-@pytest.mark.parametrize("seed", seeds(2, 12))
+@pytest.mark.parametrize("seed", seeds(1, 12))
 def test_commands_for_inherited_functions_are_forwarded(seed: int) -> None:
     refuses_every_mutation(carried(seed), seed)
 
@@ -332,7 +332,8 @@ MOST = 2**31 - 1
 
 
 @pytest.mark.parametrize(
-    ("low", "high"), [(0, 1), (0, 46_341), (0, 50_000), (0, MOST), (MOST - 1, MOST), (1, 65_537)]
+    ("low", "high"),
+    sample([(0, 1), (0, 46_341), (0, MOST), (0, 50_000), (MOST - 1, MOST), (1, 65_537)], 2),
 )
 def test_priorities_of_any_size_are_compared(low: int, high: int) -> None:
     configuration = f"""

@@ -1,7 +1,7 @@
-"""Rule cases of one folder, answered together where their rules choose nothing."""
+"""Rule cases of the same stages, answered together where their rules choose nothing."""
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence, Set
 from pathlib import Path
 from typing import NamedTuple
 
@@ -112,12 +112,13 @@ class Outcome(NamedTuple):
 
 
 def together_or_apart(paths: Sequence[Path]) -> tuple[list[list[Path]], list[Path]]:
-    """Return cases by folders that are answered at once, and those that are answered alone."""
-    groups: dict[Path, list[Path]] = {}
+    """Return cases by stages that are answered at once, and those that are answered alone."""
+    groups: dict[tuple[str, ...], list[Path]] = {}
     alone: list[Path] = []
     for path in paths:
-        if CHOOSING.isdisjoint(stages_of(path)):
-            groups.setdefault(path.parent, []).append(path)
+        stages = stages_of(path)
+        if CHOOSING.isdisjoint(stages):
+            groups.setdefault(stages, []).append(path)
         else:
             alone.append(path)
     return list(groups.values()), alone
@@ -139,8 +140,10 @@ def outcomes(paths: Sequence[Path], rulebook: Rulebook) -> Iterator[Outcome]:
     for number, case in enumerate(cases):
         program += (apart(number, case.text), f"of_({number}, {number}).")
 
+    wanted = {each for case in cases for each in case.wanted}
+
     def compared(text: str) -> list[tuple[str, ...]]:
-        answers = zip(cases, _answers(text, len(cases)), strict=True)
+        answers = zip(cases, _answers(text, len(cases), wanted), strict=True)
         return [tuple(sorted(set(case.compared(atoms, speakers)))) for case, atoms in answers]
 
     # clingo keeps each term until its process ends, and forks of a large process are slow.
@@ -150,15 +153,19 @@ def outcomes(paths: Sequence[Path], rulebook: Rulebook) -> Iterator[Outcome]:
         yield Outcome(path, case.expected, (answer,))
 
 
-def _answers(program: str, count: int) -> list[list[clingo.Symbol]]:
+def _answers(program: str, count: int, wanted: Set[Signature]) -> list[list[clingo.Symbol]]:
+    """Return the wanted atoms and the messages of each case."""
     control = clingo.Control(["--warn=none"])
     control.add("base", [], program)
     control.ground()
     assert control.solve().satisfiable
     found: list[list[clingo.Symbol]] = [[] for _ in range(count)]
-    for atom in control.symbolic_atoms:
-        symbol = atom.symbol
-        assert atom.is_fact, f"{symbol} is chosen"
-        number, *rest = symbol.arguments
-        found[number.number].append(clingo.Function(symbol.name, rest, symbol.positive))
+    atoms = control.symbolic_atoms
+    for name, arity, positive in atoms.signatures:
+        is_read = Signature(name, arity - 1, positive) in wanted or name == predicate_of(SPOKEN)
+        for atom in atoms.by_signature(name, arity, positive):
+            assert atom.is_fact, f"{atom.symbol} is chosen"
+            if is_read:
+                number, *rest = atom.symbol.arguments
+                found[number.number].append(clingo.Function(name, rest, positive))
     return found

@@ -7,7 +7,8 @@ well, it is left out, so that the drawing shows the layers.
 """
 
 import ast
-from collections.abc import Iterator, Mapping, Set
+from collections.abc import Iterator, Mapping, Sequence, Set
+from functools import cache
 from pathlib import Path
 
 from tests.support.documents import ROOT
@@ -15,11 +16,15 @@ from tests.support.documents import ROOT
 HOUSE = ROOT / "mars_asp"
 
 
-def imported(path: Path) -> Iterator[str]:
-    """Yield the names that a file imports from `mars_asp`, each with its module."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("mars_asp"):
-            yield from (f"{node.module}.{each.name}" for each in node.names)
+@cache
+def imported(path: Path) -> Sequence[str]:
+    """Return the names that a file imports from `mars_asp`, each with its module."""
+    return [
+        f"{node.module}.{each.name}"
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("mars_asp")
+        for each in node.names
+    ]
 
 
 def rooms(folder: Path) -> set[str]:

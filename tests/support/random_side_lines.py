@@ -64,6 +64,24 @@ def random_side_lines(seed: int, typed: bool = False) -> str:
     return "\n".join([f"@configuration{kind}", f"@modules {', '.join(names)}", *order, *blocks, ""])
 
 
+def random_names(seed: int) -> str:
+    """Return a configuration with names that only its side lines mention."""
+    rng = random.Random(f"names {seed}")
+    ends = ["Filter", "Nav"]
+    names = [f"N{n}" for n in range(rng.randint(1, 3))]
+    lines = ["Map uses_data_from Filter", "Base is_controlled_by Nav 1"]
+    for name in rng.choices(names, k=rng.randint(2, 6)):
+        word = rng.choice(["suppressed", "inhibited", "inhibited", "reset", "locked", "limited"])
+        if word in ("suppressed", "inhibited"):
+            gated = rng.choice([end for end in (*ends, *names) if end != name])
+            lines.append(f"{gated} is_{word}_by {name} {rng.choice(TIMES)}")
+        else:
+            lines.append(f"{'Nav' if word == 'reset' else 'Base'} is_{word}_by {name}")
+    rng.shuffle(lines)
+    modules = ", ".join(["Map", "Base", *ends, *names])
+    return "\n".join(["@configuration hierarchical", f"@modules {modules}", *lines, ""])
+
+
 def _control(
     rng: random.Random, drivers: list[str], wheels: list[str], lines: dict[str, None]
 ) -> list[str]:

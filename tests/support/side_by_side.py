@@ -19,8 +19,13 @@ from mars_asp.asp.signature import Signature
 
 _Read = TypeVar("_Read")
 _TYPE = ast.ASTType
+#: Literals with the case as first argument, by their texts: many rules have the same.
+_shown: dict[str, str] = {}
+#: Statements that hold in each case, by their texts and the condition of the case.
+_changed: dict[tuple[str, str], str] = {}
 _LOCATION = ast.Location(ast.Position("side by side", 1, 1), ast.Position("side by side", 1, 1))
 _CASE = ast.Variable(_LOCATION, "CASE_")
+_NUMBER = clingo.Function("number_")
 #: Above all that the rules of MARS minimise.
 _LEVEL = 1_000
 #: A fact, which is written as text in a tenth of the time.
@@ -49,21 +54,22 @@ def each_together(
     bodies: Iterable[tuple[str, Sequence[SyntaxNode]]], number: int
 ) -> Iterator[tuple[str, str]]:
     """Yield rules that derive atoms of a number in each case where their bodies hold."""
-    shown: dict[int, tuple[SyntaxNode, str]] = {}
     for name, body in bodies:
         for literal in body:
-            if id(literal) not in shown:
-                # It is kept, so that its number stays its own.
-                shown[id(literal)] = literal, str(_FIRST(literal.tree))
-        premises = [*(shown[id(literal)][1] for literal in body), str(_call("case_", _CASE))]
+            if str(literal) not in _shown:
+                _shown[str(literal)] = str(_FIRST(literal.tree))
+        premises = [*(_shown[str(literal)] for literal in body), str(_call("case_", _CASE))]
         yield name, f"{name}({_CASE},{number}) :- {'; '.join(premises)}."
 
 
-@cache
 def apart(number: int, facts: str) -> str:
     """Return the statements of a case, for each case `C` with `of_(C, number)`."""
-    of = _call("of_", _CASE, ast.SymbolicTerm(_LOCATION, clingo.Number(number)))
-    return "\n".join(_written(facts, of))
+    return _of_any(facts).replace(str(_NUMBER), str(number))
+
+
+@cache
+def _of_any(facts: str) -> str:
+    return "\n".join(_written(facts, _call("of_", _CASE, ast.SymbolicTerm(_LOCATION, _NUMBER))))
 
 
 def answered(program: Iterable[str], wanted: Collection[Signature]) -> set[clingo.Symbol]:
@@ -109,19 +115,23 @@ def _written(text: str, where: ast.AST) -> Iterator[str]:
     for statement in statements:
         if statement.ast_type in _LEFT_OUT:
             continue
-        fact = _FACT.fullmatch(str(statement))
-        if fact is not None:
-            yield f"{fact[1]}({_CASE},{fact[2]}) :- {where}."
-            continue
-        changed = _FIRST(statement)
-        if changed.ast_type == _TYPE.Rule:
-            refuses = [_IS_IN] if str(changed.head) == "#false" else []
-            changed = changed.update(body=[*changed.body, where, *refuses])
-        elif changed.ast_type == _TYPE.Minimize:
-            changed = changed.update(
-                terms=[*changed.terms, _CASE], body=[*changed.body, where, _IS_IN]
-            )
-        yield str(changed)
+        key = str(statement), str(where)
+        if key not in _changed:
+            _changed[key] = _with_case(statement, where)
+        yield _changed[key]
+
+
+def _with_case(statement: ast.AST, where: ast.AST) -> str:
+    fact = _FACT.fullmatch(str(statement))
+    if fact is not None:
+        return f"{fact[1]}({_CASE},{fact[2]}) :- {where}."
+    changed = _FIRST(statement)
+    if changed.ast_type == _TYPE.Rule:
+        refuses = [_IS_IN] if str(changed.head) == "#false" else []
+        changed = changed.update(body=[*changed.body, where, *refuses])
+    elif changed.ast_type == _TYPE.Minimize:
+        changed = changed.update(terms=[*changed.terms, _CASE], body=[*changed.body, where, _IS_IN])
+    return str(changed)
 
 
 def _call(name: str, *terms: ast.AST) -> ast.AST:
@@ -134,6 +144,9 @@ class _First(ast.Transformer):
 
     def visit_SymbolicAtom(self, node: ast.AST) -> ast.AST:  # noqa: N802 -- clingo's own name
         return node.update(symbol=self._with_first(node.symbol))
+
+    def visit_Comparison(self, node: ast.AST) -> ast.AST:  # noqa: N802
+        return node
 
     def _with_first(self, node: ast.AST) -> ast.AST:
         if node.ast_type == _TYPE.UnaryOperation:

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import clingo
 
 from mars_asp.asp.cases.probes import FIRED, NEAR, fired, probes
+from mars_asp.asp.fragments import Fragment, able_to_fire, joined
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 
@@ -79,10 +80,7 @@ def covered(
         tuple(
             rule
             for number, rule in enumerate(looked_at)
-            # A rule made from metadata repeats the body of its rule, where each premise is tried.
-            if rule.listed is None
-            and (NEAR, number) not in held
-            and any(name == NEAR for name, _ in probed[number])
+            if (NEAR, number) not in held and any(name == NEAR for name, _ in probed[number])
         ),
     )
 
@@ -138,10 +136,11 @@ def _one_by_one(
 ) -> set[tuple[str, int]]:
     held: set[tuple[str, int]] = set()
     for case in cases:
-        rules = [*map(rulebook.text, case.stages)]
-        rules += [text for stage in case.stages for text in probe_texts.get(stage, ())]
+        probes = [text for stage in case.stages for text in probe_texts.get(stage, ())]
+        rules = [Fragment("\n".join(probes), "rules")]
+        rules += (each for stage in case.stages for each in rulebook.fragments(stage))
         for facts in case.texts:
-            held |= _true_probes("\n".join([facts, *rules]))
+            held |= _true_probes(joined(able_to_fire([Fragment(facts, "rules"), *rules])))
     return held
 
 

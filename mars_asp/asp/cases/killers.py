@@ -66,7 +66,9 @@ def judge(
     kills: Counter[tuple[str, str]] = Counter()
 
     def rank(mutant: Mutant, case: Case) -> tuple[int, bool]:
-        return -kills[mutant.before, _case_name(case)], not _is_near(mutant, case)
+        # Near is a case whose folder is named like the file of the mutant.
+        is_far = f"/{case.path.parent.name}." not in f"/{mutant.path}"
+        return -kills[mutant.before, _case_name(case)], is_far
 
     def questions() -> Iterator[tuple[Mutant, tuple[Case, ...]]]:
         for mutant in mutants:
@@ -92,11 +94,6 @@ def judge(
 
 def _case_name(case: Case) -> str:
     return f"{case.path.parent.name}/{case.path.stem}"
-
-
-def _is_near(mutant: Mutant, case: Case) -> bool:
-    """Whether a case's folder is named like the file of a mutant."""
-    return f"/{case.path.parent.name}." in f"/{mutant.path}"
 
 
 def _killing_case(cases: Iterable[Case], rulebook: Rulebook) -> str | None:

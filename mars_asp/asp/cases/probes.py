@@ -1,5 +1,6 @@
 """Rules added to a program that show which of its rules fire, and which fail by one premise."""
 
+import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from functools import cache
@@ -11,13 +12,18 @@ from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.trees import Kind, Sign, SyntaxNode, names_in, with_variables
 
 FIRED, NEAR = "_fired", "_near"
+#: The line of a statement that is not safe.
+_UNSAFE = re.compile(r"<block>:(\d+):\S+ error: unsafe variables")
+#: The maximal number of messages of clingo.
+_MOST_NOTES = 10_000
 
 
 def probes(number: int, rule: Rule) -> Iterator[tuple[str, str]]:
     """Yield pairs of a predicate and a rule that derives it with the number of a rule.
 
     `_fired` holds if the body holds, `_near` if all literals except one hold. Variables that only
-    this literal binds match any value. Probes that clingo finds unsafe are left out.
+    this literal binds match any value. Probes that clingo finds unsafe are left out. A rule made
+    from metadata has no `_near`: it repeats the body of its rule, where each premise is tried.
     """
     for name, body in probed(rule):
         yield name, _probe_of(name, number, body)
@@ -26,7 +32,9 @@ def probes(number: int, rule: Rule) -> Iterator[tuple[str, str]]:
 @cache
 def probed(rule: Rule) -> tuple[tuple[str, Sequence[SyntaxNode]], ...]:
     """Return the predicates that `probes` derives, each with the body of its probe."""
-    return tuple((name, body) for name, body in _bodies(rule) if is_safe(_probe_of(name, 0, body)))
+    found = list(_bodies(rule))
+    safe = _are_safe([_probe_of(name, 0, body) for name, body in found])
+    return tuple(probe for probe, is_safe in zip(found, safe, strict=True) if is_safe)
 
 
 def fired(number: int, rule: Rule) -> str:
@@ -37,6 +45,22 @@ def fired(number: int, rule: Rule) -> str:
 
 def _probe_of(name: str, number: int, body: Sequence[SyntaxNode]) -> str:
     return f"{name}({number}) :- {'; '.join(map(str, body)) or '#true'}."
+
+
+def _are_safe(texts: Sequence[str]) -> list[bool]:
+    """Return `is_safe` of each statement, found at once: a start of clingo takes long."""
+    notes: list[str] = []
+    control = clingo.Control(["--warn=none"], lambda _, note: notes.append(note), _MOST_NOTES)
+    try:
+        control.add("base", [], "\n".join(texts))
+        control.ground()
+    except RuntimeError:
+        found = [note for note in map(_UNSAFE.match, notes) if note]
+        if not found or len(found) < len(notes):
+            return list(map(is_safe, texts))
+        lines = {int(note[1]) for note in found}
+        return [line not in lines for line in range(1, len(texts) + 1)]
+    return [True] * len(texts)
 
 
 def is_safe(text: str) -> bool:
@@ -53,6 +77,8 @@ def is_safe(text: str) -> bool:
 def _bodies(rule: Rule) -> Iterator[tuple[str, Sequence[SyntaxNode]]]:
     body = list(rule.node.body)
     yield FIRED, body
+    if rule.listed is not None:
+        return
     named = list(map(names_in, body))
     times = Counter(chain.from_iterable(named))
     for index, literal in enumerate(body):

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Literal, NamedTuple, TypeAlias
 
 from clingo import SymbolType
@@ -207,10 +207,13 @@ def joined(one: ClauseScope, other: ClauseScope) -> ClauseScope:
 
 def clauses_of(rules: Iterable[Rule]) -> dict[int, tuple[Clause, ...]]:
     """Return the clauses of each rule, by its number."""
-    return {
-        number: tuple(_clause(rule, node) for node in variants(rule.text))
-        for number, rule in enumerate(rules)
-    }
+    return dict(enumerate(map(_clauses, rules)))
+
+
+@lru_cache(maxsize=10_000)
+def _clauses(rule: Rule) -> tuple[Clause, ...]:
+    """Return the clauses of a rule; cached, as built-in rules are beside each pack."""
+    return tuple(_clause(rule, node) for node in variants(rule.text))
 
 
 # ---- Terms ---------------------------------------------------------------------------------------

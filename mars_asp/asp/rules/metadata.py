@@ -62,7 +62,9 @@ def rules_of(
                 _note_metadata(pending, match, point(shown, *piece.begin), keys, problems)
                 last_line = piece.begin[0]
             elif (more := _CONTINUED.match(piece.text)) and piece.begin[0] == last_line + 1:
-                _go_on(pending, more[1].strip())
+                for key in list(pending)[-1:]:
+                    text, place = pending[key]
+                    pending[key] = (f"{text} {more[1].strip()}", place)
                 last_line = piece.begin[0]
             continue
         if piece.sort != "rule":
@@ -114,13 +116,6 @@ def _note_metadata(
         )
     else:
         pending[key] = (value, span)
-
-
-def _go_on(pending: dict[str, tuple[str, Span]], more: str) -> None:
-    """Append a continuation line to the last entry of `pending`."""
-    for key in list(pending)[-1:]:
-        text, place = pending[key]
-        pending[key] = (f"{text} {more}", place)
 
 
 def _make_rule(

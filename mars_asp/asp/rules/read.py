@@ -81,7 +81,7 @@ def read_case(path: Path) -> tuple[str, tuple[Piece, ...]]:
     return text, written
 
 
-@lru_cache(maxsize=1000)
+@lru_cache(maxsize=5000)
 def _case(text: str, shown: str) -> tuple[tuple[Piece, ...], tuple[Diagnostic, ...]]:
     """Return the statements of a case, and all its errors; cached, because many are read again."""
     problems: list[Diagnostic] = []

@@ -382,6 +382,7 @@ def defined_at(text: str) -> Iterator[tuple[Signature, Place]]:
         yield Signature(each.name, each.arity), place(each)
 
 
+@lru_cache(maxsize=_MOST)
 def shown(text: str) -> tuple[Signature, ...]:
     """Return the predicates in the `#show` statements of a text."""
     nodes = _of_kind(text, "#show", _TYPE.ShowSignature)
@@ -397,6 +398,7 @@ def costs(text: str) -> tuple[Statement, ...]:
     return tuple(_statement(plain(each), place) for node in nodes for each in node.unpool())
 
 
+@lru_cache(maxsize=_MOST)
 def read_by_costs(text: str) -> frozenset[Signature]:
     """Return the predicates, without signs, that the costs of a text read."""
     return frozenset(each.unsigned for statement in costs(text) for each in statement.reads)

@@ -43,3 +43,8 @@ class Fact(NamedTuple):
 
     atom: Atom
     span: Span
+
+
+def fact_at(span: Span, name: str, *arguments: Term) -> Fact:
+    """Return the fact `name(arguments)` with its location."""
+    return Fact(Atom(name, arguments), span)

@@ -156,12 +156,10 @@ class Grounding:
         program: Sequence[Fragment],
         initial: Mapping[Signature, Iterable[TermId]] = MappingProxyType({}),
         options: Sequence[str] = (),
-        solved: bool = True,
     ) -> None:
         """Ground rules and facts that leave nothing open, and state atoms of other groundings.
 
-        `options` are additional ones of clingo's command line. Without `solved` the program is
-        hidden from the solver, which is faster; then only decided literals and facts can be read.
+        `options` are additional ones of clingo's command line.
 
         Raises:
             MarsError: clingo refuses a rule, or the rules leave a choice.
@@ -175,11 +173,13 @@ class Grounding:
         self._steps = 0
         #: The atoms that are external, with their values.
         self.externals: dict[clingo.Symbol, bool | None] = {}
+        messages = self._messages
         self.control = clingo.Control(
-            [*_OPTIONS, *options], _noting(self._messages), _MOST_MESSAGES
+            [*_OPTIONS, *options],
+            # A method would keep its control alive, which Python's collector does not see as large.
+            lambda code, message: messages.append((code, message)),
+            _MOST_MESSAGES,
         )
-        if not solved:
-            self.control.register_observer(clingo.Observer(), replace=True)
         self.add([*program, Fragment(_NOTHING_SHOWN, "rules")])
         self.state(initial)
         #: The signatures whose atoms are decided before any choice.
@@ -448,10 +448,3 @@ def unsolved(program: Iterable[Fragment]) -> clingo.Control:
         control.add("base", [], joined(program))
         control.ground()
     return control
-
-
-def _noting(
-    messages: list[tuple[clingo.MessageCode, str]],
-) -> Callable[[clingo.MessageCode, str], None]:
-    # A method would keep its control alive, whose large data are invisible to Python's collector.
-    return lambda code, message: messages.append((code, message))

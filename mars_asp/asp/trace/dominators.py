@@ -132,8 +132,9 @@ class _Component:
                     if group not in users:
                         users[group] = set()
                         nodes.append(group)
-                        for premise in self._bits.keys() & _premises(group):
-                            users[premise].add(group)
+                        for element in group.counted.elements:
+                            for premise in self._bits.keys() & set(element.premises):
+                                users[premise].add(group)
                     users[group].add(atom)
                 for premise in self._bits.keys() & set(firing.premises):
                     users[premise].add(atom)
@@ -208,10 +209,6 @@ class _Component:
             if not is_reached(group, (e for e, needed in known if not needed & bit)):
                 found |= bit
         return found
-
-
-def _premises(group: AggregateGroup) -> set[TermId]:
-    return {premise for element in group.counted.elements for premise in element.premises}
 
 
 def _bits_of(numbers: Iterable[int]) -> Iterator[int]:

@@ -88,7 +88,9 @@ def read_firings(control: clingo.Control, question: int) -> list[Firing]:
     for atom in _atoms(control, f"_s{question}_"):
         tag, head, premises, absent, values, *needed = term_ids.arguments(atom)
         if tag not in rules:
-            rules[tag] = _rule_of(as_symbol(tag))
+            of = as_symbol(tag)
+            is_whole = of.type == clingo.SymbolType.Number
+            rules[tag] = (of.number, None) if is_whole else (of.arguments[0].number, of)
         rule, lacks = rules[tag]
         for need in needed:
             if need not in groups:
@@ -120,12 +122,6 @@ def _counted(function: str, elements: Sequence[AggregateElement]) -> Counted:
     if function == "sum" and any(number_of(weight_of(element.tuple)) < 0 for element in elements):
         function = "all"
     return Counted(function, elements)
-
-
-def _rule_of(tag: clingo.Symbol) -> tuple[int, clingo.Symbol | None]:
-    if tag.type == clingo.SymbolType.Number:
-        return tag.number, None
-    return tag.arguments[0].number, tag
 
 
 def _atoms(control: clingo.Control, prefix: str) -> Iterator[TermId]:

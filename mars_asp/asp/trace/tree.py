@@ -317,9 +317,7 @@ def _string_names(names: TermId) -> tuple[str, ...]:
 
 
 # The same few names occur in the messages of very many steps.
-@lru_cache(maxsize=100_000)
-def _text(value: TermId) -> str:
-    return text(value)
+_text = lru_cache(maxsize=100_000)(text)
 
 
 Trace: TypeAlias = Given | Absent | Derived | Unexplained | Underivable

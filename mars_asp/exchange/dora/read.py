@@ -44,7 +44,10 @@ def import_dora(files: Sequence[tuple[str, str]]) -> Parsed:
         missing += _missing(dataflow, Path(path))
         for module in (worker.module for worker in dataflow.workers):
             if module.name in modules:
-                problems.append(_named_twice(module, modules[module.name]))
+                message = f"two nodes have the id `{module.name}`"
+                labels = ((modules[module.name].span, "the first one"),)
+                advice = "give each an id of its own"
+                problems.append(Diagnostic("dora", "error", message, module.span, labels, advice))
             modules.setdefault(module.name, module)
     if problems:
         raise MarsError(problems)
@@ -80,12 +83,6 @@ def _are_in_a_folder(missing: Sequence[MissingFile], around: Path) -> bool:
         folders = [each for each in around.iterdir() if each.is_dir()]
         return any(all((folder / name).is_file() for name in names) for folder in folders)
     return False
-
-
-def _named_twice(module: Module, first: Module) -> Diagnostic:
-    message = f"two nodes have the id `{module.name}`"
-    labels = ((first.span, "the first one"),)
-    return Diagnostic("dora", "error", message, module.span, labels, "give each an id of its own")
 
 
 def _configuration(dataflows: Sequence[Dataflow], path: str) -> Configuration:

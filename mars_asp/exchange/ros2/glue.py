@@ -92,7 +92,8 @@ def _selected(
 ) -> Forward | None:
     """Return the initial forwarding of a mux or demux, or None; it may be changed in a run."""
     several, one = ("input", "output") if kind == "mux" else ("output", "input")
-    topics = _several(values, f"{several}_topics") or tuple(words[1:])
+    named = values.get(f"{several}_topics")
+    topics = (named and named.texts) or tuple(words[1:])
     default = "~/selected" if kind == "mux" else "~/input"
     fixed = _one(values, f"{one}_topic") or next(iter(words), default)
     first = _one(values, "initial_topic") or next(iter(topics), "")
@@ -104,10 +105,6 @@ def _selected(
 
 def _one(values: Mapping[str, GivenParameter], name: str) -> str:
     return values[name].text if name in values else ""
-
-
-def _several(values: Mapping[str, GivenParameter], name: str) -> tuple[str, ...]:
-    return values[name].texts if name in values else ()
 
 
 def steered(

@@ -132,8 +132,8 @@ def import_ros2(
     """Return the configuration of launch files and folders, which make up one robot.
 
     Args:
-        files: Texts and their paths, at least one that is not a mux file. The text of a folder is
-            empty; mux files apply to muxes that are launched without parameters.
+        files: Texts and their paths. The text of a folder is empty; mux files apply to muxes that
+            are launched without parameters.
         launch: The launch files to read in folders, each the top of a launch tree; if empty, all
             that no other file includes.
         is_excluded: Whether to skip a path in a folder.
@@ -146,6 +146,9 @@ def import_ros2(
     problems: list[Diagnostic] = []
     unread: list[Unread] = []
     launched = [(text, path) for text, path in files if recognised(text) != "twist_mux"]
+    if not launched:
+        message, path = "this is a file of twist_mux, not a launch file", files[0][1]
+        raise refusal("launch", message, path, "name the launch file, or the format `twist_mux`")
     muxes = read_documents([file for file in files if file not in launched])
     by_root = defaultdict[tuple[Path, bool], list[tuple[str, str]]](list)
     for text, path in launched:

@@ -5,7 +5,6 @@ versions have `publish` for `publishes`, and subscriptions among the callbacks a
 """
 
 import re
-from collections.abc import Mapping
 from fractions import Fraction
 
 from mars_asp.diagnostic import beginning
@@ -73,7 +72,9 @@ def _read_node(dump: Dump, node: Pairs, name: str) -> None:
                 message = f"a subscription of `{name}` has no `topic_name`"
                 dump.wrong(beginning(callback.span), message, "add `topic_name: /TOPIC`")
                 continue
-            types[topic.text] = _message_type(symbol)
+            # The type that the callback takes, by its C++ symbol.
+            named = set(_MESSAGE.findall("" if symbol is None else symbol.text))
+            types[topic.text] = "::".join(named.pop()) if len(named) == 1 else None
             dump.end(name, topic.text, False, types[topic.text], topic.span)
     for entry in dump.maps(node.value("subscribes"), "subscribes"):
         topic = entry.word("topic_name")
@@ -86,7 +87,10 @@ def _read_node(dump: Dump, node: Pairs, name: str) -> None:
             if not by and len(callbacks) == 1:
                 # The only callback of a node has to be the one that publishes.
                 by = tuple(rates)
-            dump.end(name, topic.text, True, None, topic.span, _common(by, rates))
+            # The publisher has a rate if its callbacks are timers of one rate.
+            found = {rates.get(callback) for callback in by}
+            rate = found.pop() if len(found) == 1 else None
+            dump.end(name, topic.text, True, None, topic.span, rate)
 
 
 def _timer_rate(dump: Dump, callback: Pairs, name: str) -> Rate | None:
@@ -124,15 +128,3 @@ def _callback_names(node: Node | None) -> tuple[str, ...]:
     return tuple(
         each.text for each in scalars if isinstance(each, Scalar) and each.text != _UNDEFINED
     )
-
-
-def _common(callbacks: tuple[str, ...], rates: Mapping[str, Rate]) -> Rate | None:
-    """Return the common rate of callbacks, or None unless all are timers of one rate."""
-    found = {rates.get(callback) for callback in callbacks}
-    return found.pop() if len(found) == 1 else None
-
-
-def _message_type(symbol: Scalar | None) -> str | None:
-    """Return the message type that a callback takes, by its C++ symbol, or None."""
-    found = set(_MESSAGE.findall("" if symbol is None else symbol.text))
-    return "::".join(found.pop()) if len(found) == 1 else None

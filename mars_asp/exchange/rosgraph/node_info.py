@@ -36,7 +36,7 @@ def read_node_info(text: str, path: str) -> Dump:
                 message = f"`{section}` of a node without a name"
                 dump.wrong(match_span(path, number, head), message, _HELP)
                 node = ""
-        elif named and _heads_section(following):
+        elif named and (under := _SECTION.fullmatch(following)) and under[1] in (*_OUT, *_CALLS):
             node, section = named[1], None
             dump.node(node, match_span(path, number, named))
         elif entry and section is not None and node is not None:
@@ -52,8 +52,3 @@ def read_node_info(text: str, path: str) -> Dump:
             begin = len(line) - len(line.lstrip()) + 1
             dump.skip("lines", line.strip()[:40], Span(path, number, begin, number, len(line) + 1))
     return dump
-
-
-def _heads_section(line: str) -> bool:
-    head = _SECTION.fullmatch(line)
-    return head is not None and head[1] in (*_OUT, *_CALLS)

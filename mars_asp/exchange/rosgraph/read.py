@@ -18,6 +18,10 @@ from mars_asp.exchange.unread import Unread, notes
 from mars_asp.language import Parsed
 from mars_asp.model.graph import Graph, GraphNode, Mux
 
+#: The help on an unknown file.
+_KNOWN = (
+    "give one of ROSDiscover, CARET, rqt_graph (.dot), `ros2 node info` or `ros2 topic info -v`"
+)
 _READERS: Mapping[str, Callable[[str, str], Dump]] = {
     "rosdiscover": read_rosdiscover,
     "caret": read_caret,
@@ -48,7 +52,8 @@ def import_rosgraph(files: Sequence[tuple[str, str]]) -> Parsed:
                 of_muxes.append((text, path))
                 continue
             if kind is None:
-                raise MarsError((_unknown(path),))
+                message, span = "this is not a known kind of graph dump", whole_file(path)
+                raise MarsError((Diagnostic("rosgraph", "error", message, span, help=_KNOWN),))
             dump = _READERS[kind](text, path)
         except MarsError as error:
             problems += error.diagnostics
@@ -69,7 +74,7 @@ def import_rosgraph(files: Sequence[tuple[str, str]]) -> Parsed:
     if problems:
         raise MarsError(problems)
     graph = joined(graphs)
-    bound = replace(graph, nodes=(), muxes=_bound(muxes, graph))
+    bound = replace(graph, nodes=(), muxes=tuple(_mux(mux, _node_of(mux, graph)) for mux in muxes))
     configuration, further = configuration_of(joined((graph, bound)))
     if not configuration.modules:
         raise MarsError((_empty(files[0][1]),))
@@ -85,20 +90,7 @@ def _empty(path: str) -> Diagnostic:
     return Diagnostic("rosgraph", "error", message, whole_file(path), help=help_text)
 
 
-def _unknown(path: str) -> Diagnostic:
-    message = "this is not a known kind of graph dump"
-    help_text = (
-        "give one of ROSDiscover, CARET, rqt_graph (.dot), `ros2 node info` or `ros2 topic info -v`"
-    )
-    return Diagnostic("rosgraph", "error", message, whole_file(path), help=help_text)
-
-
 # ---- Muxes with parameter files ------------------------------------------------------------------
-
-
-def _bound(muxes: Sequence[Mux], graph: Graph) -> tuple[Mux, ...]:
-    """Return muxes with the names of their nodes and topics in the graph."""
-    return tuple(_mux(mux, _node_of(mux, graph)) for mux in muxes)
 
 
 def _node_of(mux: Mux, graph: Graph) -> GraphNode | None:

@@ -5,7 +5,7 @@ under `ros__parameters`, whose keys may be dotted) and of cmd_vel_mux, which has
 """
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import Literal, NamedTuple, TypeAlias
@@ -105,8 +105,9 @@ def read_documents(files: Sequence[tuple[str, str]]) -> list[MuxDocument]:
     documents: list[MuxDocument] = []
     for reader in readers:
         has_parts = any(section is moved for section in reader.sections for moved, _ in moves)
+        # The parameters of sections with locks alone are moved to those of their muxes.
         reader.sections = [
-            _with_locks(section, moves)
+            section._replace(pairs=sum((m.pairs for m, o in moves if o is section), section.pairs))
             for section in reader.sections
             if all(section is not moved for moved, _ in moves)
         ]
@@ -137,12 +138,6 @@ def _moves_of_locks(sections: Sequence[_Section]) -> list[tuple[_Section, _Secti
             same = owners
         moves += [(section, owner) for owner in same if len(same) == 1]
     return moves
-
-
-def _with_locks(section: _Section, moves: Sequence[tuple[_Section, _Section]]) -> _Section:
-    """Return a section with the parameters of those whose locks are moved to it."""
-    further = [pair for moved, owner in moves if owner is section for pair in moved.pairs]
-    return section._replace(pairs=(*section.pairs, *further))
 
 
 def read_parts(text: str, path: str) -> MuxDocument:
@@ -389,13 +384,15 @@ class _MuxReader:
                 Diagnostic("mux", "warning", message, place, labels, help_text, kind="mux")
             )
 
-    def scalar(self, entry: _MuxEntry, what: str, expected: str) -> Scalar | None:
-        """Return a field that is a scalar; else add an error (`expected`) and return None."""
+    def field(
+        self, entry: _MuxEntry, what: str, expected: str, fits: Callable[[Scalar], object]
+    ) -> Scalar | None:
+        """Return a scalar that fits, or None; a field that is none is an error (`expected`)."""
         _, value = entry.fields.get(what, (None, None))
-        if value is not None and not isinstance(value, Scalar):
-            self.mistyped(entry, what, value, expected)
-            return None
-        return value
+        if value is None or (isinstance(value, Scalar) and fits(value)):
+            return value
+        self.mistyped(entry, what, value, expected)
+        return None
 
     def mistyped(self, entry: _MuxEntry, what: str, value: Node, expected: str) -> None:
         """Add an error that a field has another type than expected."""
@@ -416,22 +413,21 @@ class _MuxReader:
 
     def topic(self, entry: _MuxEntry) -> str | None:
         """Return the topic of an input, or None and add an error."""
-        value = self.scalar(entry, "topic", "the name of a topic")
-        if value is None:
-            return None
-        if not value.text or (not value.quoted and DECIMAL.fullmatch(value.text)):
-            self.mistyped(entry, "topic", value, "the name of a topic")
-            return None
-        return value.text
+        value = self.field(
+            entry,
+            "topic",
+            "the name of a topic",
+            lambda found: found.text and (found.quoted or not DECIMAL.fullmatch(found.text)),
+        )
+        return None if value is None else value.text
 
     def hold(self, entry: _MuxEntry) -> Hold | None:
         """Return the timeout of an input, or None and add an error."""
         expected = "a number of seconds"
-        value = self.scalar(entry, "timeout", expected)
+        value = self.field(
+            entry, "timeout", expected, lambda v: not v.quoted and DECIMAL.fullmatch(v.text)
+        )
         if value is None:
-            return None
-        if value.quoted or not DECIMAL.fullmatch(value.text):
-            self.mistyped(entry, "timeout", value, expected)
             return None
         seconds = Decimal(value.text)
         if seconds.is_zero():
@@ -453,15 +449,13 @@ class _MuxReader:
     def priority(self, entry: _MuxEntry) -> int | None:
         """Return the priority of an input, or None and add an error."""
         expected = f"a whole number from 0 to {MOST}"
-        value = self.scalar(entry, "priority", expected)
-        if value is None:
-            return None
-        fits = not value.quoted and WHOLE.fullmatch(value.text) and len(value.text) < 20
-        number = int(value.text) if fits else -1
-        if not 0 <= number <= MOST:
-            self.mistyped(entry, "priority", value, expected)
-            return None
-        return number
+
+        def fits(value: Scalar) -> bool:
+            is_whole = not value.quoted and WHOLE.fullmatch(value.text) and len(value.text) < 20
+            return bool(is_whole) and 0 <= int(value.text) <= MOST
+
+        value = self.field(entry, "priority", expected, fits)
+        return None if value is None else int(value.text)
 
 
 def _with_article(word: str) -> str:
@@ -473,18 +467,11 @@ def _leaves(key: Scalar, value: Node) -> Iterator[_Leaf]:
     waiting: list[tuple[tuple[tuple[str, Span], ...], Scalar, Node]] = [((), key, value)]
     while waiting:
         before, at, node = waiting.pop()
-        parts = before + _key_parts(at)
+        parts, start = before, 0
+        for part in at.text.split("."):
+            parts = (*parts, (part, part_of(at, start, start + len(part))))
+            start += len(part) + 1
         if isinstance(node, Pairs) and (node.pairs or len(parts) == 1):
             waiting += reversed([(parts, inner, below) for inner, below in node.pairs])
         else:
             yield _Leaf(parts, at, node)
-
-
-def _key_parts(key: Scalar) -> tuple[tuple[str, Span], ...]:
-    """Return the parts of a dotted key with their locations."""
-    found = []
-    start = 0
-    for part in key.text.split("."):
-        found.append((part, part_of(key, start, start + len(part))))
-        start += len(part) + 1
-    return tuple(found)

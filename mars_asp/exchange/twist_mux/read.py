@@ -34,8 +34,9 @@ def import_muxes(files: Sequence[tuple[str, str]]) -> Parsed:
     parts = _configurations(documents, paths, [""] * len(paths))
     names = [name.text for part in parts for name in part.configuration.modules]
     if len(set(names)) < len(names):
-        before = [f"{name}/" for name in _distinct_names(paths)]
-        parts = _configurations(documents, paths, before)
+        stems = [PurePath(path).stem for path in paths]
+        distinct = stems if len(set(stems)) == len(stems) else paths
+        parts = _configurations(documents, paths, [f"{name}/" for name in distinct])
     return united(parts)
 
 
@@ -52,12 +53,6 @@ def _configurations(
     if problems:
         raise MarsError(problems)
     return parts
-
-
-def _distinct_names(paths: Sequence[str]) -> list[str]:
-    """Return distinct names for files: without folder and suffix, unless these would clash."""
-    stems = [PurePath(path).stem for path in paths]
-    return stems if len(set(stems)) == len(stems) else list(paths)
 
 
 def _configuration_of(document: MuxDocument, path: str, within: str) -> Parsed:
@@ -80,7 +75,10 @@ def _configuration_of(document: MuxDocument, path: str, within: str) -> Parsed:
             *((before + i.name, i.span) for i in mux.inputs),
         ):
             if name in names:
-                problems.append(_named_twice(Name(name, span), names[name]))
+                message = f"`{name}` is the name of two things"
+                labels = ((names[name].span, "the first one"),)
+                help_text = "give each input and output a name of its own"
+                problems.append(Diagnostic("mux", "error", message, span, labels, help_text))
             names.setdefault(name, Name(name, span))
         name = mux.name if read_name(mux.name) == mux.name else mux.engine
         muxed.append(Muxed(controlled, mux.engine, mux.span, name=within + name, topic=mux.output))
@@ -103,14 +101,3 @@ def _configuration_of(document: MuxDocument, path: str, within: str) -> Parsed:
         muxes=tuple(muxed),
     )
     return Parsed(configuration, (*document.warnings, *notes(document.unread)))
-
-
-def _named_twice(name: Name, first: Name) -> Diagnostic:
-    return Diagnostic(
-        "mux",
-        "error",
-        f"`{name.text}` is the name of two things",
-        name.span,
-        ((first.span, "the first one"),),
-        "give each input and output a name of its own",
-    )

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 from mars_asp.diagnostic import NOT_EXPORTED, Diagnostic, MarsError
 from mars_asp.exchange.unread import Unread, notes
 from mars_asp.exchange.urdf.angles import OPEN, roll_pitch_yaw
-from mars_asp.kinematics.frames import KinematicTree, Matrix, build_robot
+from mars_asp.kinematics.frames import KinematicTree, build_robot
 from mars_asp.model.declarations import (
     GRASP,
     MOTION_FUNCTIONS,
@@ -60,7 +60,10 @@ def export_urdf(configuration: Configuration, modules: Mapping[str, Module]) -> 
             ElementTree.SubElement(joint, "parent", link=parent)
             ElementTree.SubElement(joint, "child", link=child)
             if carried and parent == body.carrier[name]:
-                _add_origin(joint, body.placement[name])
+                pose = body.placement[name]
+                xyz = " ".join(repr(float(length) / 1000 + 0.0) for length in pose[:3, 3])
+                rpy = " ".join(repr(angle + 0.0) for angle in roll_pitch_yaw(pose[:3, :3]))
+                ElementTree.SubElement(joint, "origin", xyz=xyz, rpy=rpy)
             if function:
                 _add_motion(joint, function)
     ElementTree.indent(robot)
@@ -149,12 +152,6 @@ def _joint_type(function: Function | None) -> str:
     if function.name.startswith("Trans"):
         return "prismatic"
     return "continuous" if function.min is None and function.max is None else "revolute"
-
-
-def _add_origin(joint: ElementTree.Element, pose: Matrix) -> None:
-    xyz = " ".join(repr(float(length) / 1000 + 0.0) for length in pose[:3, 3])
-    rpy = " ".join(repr(angle + 0.0) for angle in roll_pitch_yaw(pose[:3, :3]))
-    ElementTree.SubElement(joint, "origin", xyz=xyz, rpy=rpy)
 
 
 def _add_motion(joint: ElementTree.Element, function: Function) -> None:

@@ -78,12 +78,10 @@ class FlatArbitration:
         if not taken or locked(now):
             return
         origins = sorted({message.origin for _, message in taken})
-        if self.weighted:
-            mean = weighted_mean(
-                [(1 if link.declared is None else link.declared, m.value) for link, m in taken]
-            )
-        else:
-            mean = mean_command([message.value for _, message in taken])
+        declared = (link.declared if self.weighted else None for link, _ in taken)
+        weights = (1 if priority is None else priority for priority in declared)
+        values = (message.value for _, message in taken)
+        mean = weighted_mean(list(zip(weights, values, strict=True)))
         self.mean = Message(mean, now, "+".join(origins))
         self._send(self.mean)
 
@@ -101,29 +99,16 @@ class FlatArbitration:
             if not before:
                 self.mean = None
                 self.bounds.stop()
-                send_stop(self.outputs, now)
+                # One stop, which also ends the commands in force at later arbiters.
+                for link in self.outputs:
+                    link.send(Message({}, now, NOBODY, until=now))
+                    link.withdrawn()
             return
         mean = self.mean
         if mean is None or now >= mean.time + self.timeout:
             return
         if self.bounds.scaled(mean.value) != self.sent:
             self._send(mean._replace(until=mean.time + self.timeout))
-
-
-def send_stop(outputs: Sequence[Link], now: int) -> None:
-    """Send one stop, which also ends the commands in force at later arbiters."""
-    for link in outputs:
-        link.send(Message({}, now, NOBODY, until=now))
-        link.withdrawn()
-
-
-def mean_command(commands: Sequence[dict[str, float]]) -> dict[str, float]:
-    """Return the mean rate of each function over the commands with this function."""
-    named: dict[str, list[float]] = {}
-    for command in commands:
-        for function, rate in command.items():
-            named.setdefault(function, []).append(rate)
-    return {function: sum(rates) / len(rates) for function, rates in sorted(named.items())}
 
 
 def weighted_mean(commands: Sequence[tuple[int, dict[str, float]]]) -> dict[str, float]:

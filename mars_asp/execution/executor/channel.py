@@ -95,7 +95,8 @@ class Channel:
 
     def _carry(self, action: Callable[[], None]) -> None:
         """Act when a message that is sent now arrives, unless it is lost."""
-        now, fault = self.link.schedule.now, self._fault()
+        now = self.link.schedule.now
+        fault = next((each for each in self.faults if each.since <= now < each.until), None)
         chance, share = self.draws.loss(), self.draws.jitter()
         if fault is not None and chance < fault.loss:
             self.link.dropped["lost"] += 1
@@ -103,24 +104,17 @@ class Channel:
             self.cancel()
             return
         late = 0 if fault is None else fault.delay + int(share * (fault.jitter + 1)) * MICROSECOND
-        self._later(late, action)
-
-    def _fault(self) -> LinkFault | None:
-        now = self.link.schedule.now
-        return next((each for each in self.faults if each.since <= now < each.until), None)
-
-    def _later(self, delay: int, action: Callable[[], None]) -> None:
-        now = self.link.schedule.now
-        self.due = max(now + delay, self.due)
+        self.due = max(now + late, self.due)
         if self.due == now and not self.in_flight:
             action()
             return
-        self.in_flight += 1
-        self.link.schedule.at(self.due, self.rank, lambda: self._arrive(action))
 
-    def _arrive(self, action: Callable[[], None]) -> None:
-        self.in_flight -= 1
-        action()
+        def arrive() -> None:
+            self.in_flight -= 1
+            action()
+
+        self.in_flight += 1
+        self.link.schedule.at(self.due, self.rank, arrive)
 
     def _deliver(self, message: Message, sent: int) -> None:
         now = self.link.schedule.now

@@ -217,14 +217,11 @@ def _changing(least: Decimal) -> Callable[[float], bool]:
         nonlocal delivered
         # Compared with the last delivered number: with the last tested one, drift would be lost.
         # A sonar without a hit reads infinity, and infinity - infinity is NaN.
-        if delivered is not None and (x == delivered or _difference(x, delivered) <= least):
+        if delivered is not None and (
+            x == delivered or abs(Decimal(repr(x)) - Decimal(repr(delivered))) <= least
+        ):
             return False
         delivered = x
         return True
 
     return differs
-
-
-def _difference(one: float, other: float) -> Decimal:
-    """Return the exact difference of two decimals, which must not be equal infinities."""
-    return abs(Decimal(repr(one)) - Decimal(repr(other)))

@@ -180,18 +180,14 @@ class Executor:
             for c in plan.configuration.conversions
             if (c.converter or c.transformer) not in plan.behaviours
         ]
+        nodes = [name for name in plan.names if plan.kind(name) == "inheritance_node"]
         problems += [
             _unknown_provider(node, provider, spans.get(provider, whole))
-            for node in plan.names
-            if plan.kind(node) == "inheritance_node"
+            for node in nodes
             for provider in plan.unknown_providers(node)
         ]
-        problems += [
-            problem
-            for node in plan.names
-            if plan.kind(node) == "inheritance_node"
-            for problem in _stands_for_none(plan, node, spans.get(node, whole))
-        ]
+        for node in nodes:
+            problems += _stands_for_none(plan, node, spans.get(node, whole))
         problems += [_open_input(plan, link) for link in plan.links if plan.left_open(link)]
         problems += [_no_side(plan, link) for link in plan.links if plan.lacks_node(link)]
         problems += _circles(plan)
@@ -225,14 +221,10 @@ class Executor:
         if kind in ("data_out", "control_out", "sink"):
             return self._algorithm(name, kind, behaviour)
         if kind == "effector":
-            self.effectors[name] = Effector(
-                name,
-                behaviour,
-                self.command_timeout,
-                self.schedule,
-                self._left.get(name, frozenset()),
-            )
-            return self.effectors[name]
+            left = self._left.get(name, frozenset())
+            effector = Effector(name, behaviour, self.command_timeout, self.schedule, left)
+            self.effectors[name] = effector
+            return effector
         if kind == "completion":
             return Completion(name, behaviour, self.schedule)
         if kind == "reset":
@@ -251,15 +243,14 @@ class Executor:
             own = frozenset() if led is None else plan.inheriting.functions(led)
             providers = plan.providers(name)
             functions = {provider: plan.inheriting.functions(provider) for provider in providers}
-            carrying = plan.carrying(name, self._position)
+            effectors = self.effectors
+            carrying = plan.carrying(
+                name, lambda module: effectors[module].position() if module in effectors else {}
+            )
             return InheritanceNode(
                 providers, functions, carrying, plan.inheriting.allocation(name), own
             )
         return ControlSplitter(plan.control_out[name])
-
-    def _position(self, name: str) -> Mapping[str, float]:
-        """Return the values of the motions of a module in degrees and mm."""
-        return self.effectors[name].position() if name in self.effectors else {}
 
     def _algorithm(self, name: str, kind: str, behaviour: Behaviour) -> Algorithm:
         hz = self._clock(name)
@@ -270,15 +261,14 @@ class Executor:
             rank = self._ranks[self.plan.data_depth[name], False]
         if kind == "control_out":
             rank = self.schedule.control + self.plan.depth(name)
+        modes = (self.plan.carried(link)[0].name for link in self.plan.data_in[name])
         algorithm = Algorithm(
             name,
             behaviour,
             self.schedule,
             commands=kind == "control_out",
             triggered=hz is None and not on_request,
-            pulls=any(
-                self.plan.carried(link)[0].name == ON_REQUEST for link in self.plan.data_in[name]
-            ),
+            pulls=ON_REQUEST in modes,
             rank=rank,
         )
         for service in self.plan.services(name):
@@ -330,9 +320,8 @@ class Executor:
         )
 
     def _converter(self, name: str) -> Behaviour:
-        for conversion in self.plan.configuration.conversions:
-            if conversion.transformer == name:
-                return self.plan.behaviours[conversion.converter or name]
+        if name in self.plan.conversions:
+            return self.plan.behaviours[self.plan.conversions[name].converter or name]
         return self.plan.behaviours.get(name) or Behaviour(lambda value: value)
 
     def _join(self, name: str) -> None:
@@ -382,7 +371,12 @@ class Executor:
         plan = self.plan
         if plan.kind(name) == "completion":
             for part in plan.parts(name.rpartition(".")[0]):
-                self._join_completion(self.elements[part], self.elements[name])
+                element, completion = self.elements[part], self.elements[name]
+                if isinstance(element, Sensor | Algorithm | Effector):
+                    if element.completion is None:
+                        element.completion = completion
+                    elif element.completion is not completion:
+                        element.completion.following = completion
         resets = [link for link in plan.side_in[name] if link.kind == "reset"]
         if not resets:
             return
@@ -393,7 +387,7 @@ class Executor:
         resetting = Resetting(
             plan.behaviours.get(name),
             [each for each in running if isinstance(each, Sensor | Algorithm)],
-            partial(self._renew_all, parts),
+            partial(self._renew, parts),
             done[0] if done else None,
             getattr(own, "failures", Failures()),
             self.schedule,
@@ -403,23 +397,12 @@ class Executor:
         for link in resets:
             link.receive = resetting.receive
 
-    def _join_completion(self, element: Any, done: Completion) -> None:
-        if isinstance(element, Sensor | Algorithm | Effector):
-            if element.completion is None:
-                element.completion = done
-            elif element.completion is not done:
-                element.completion.following = done
-
-    def _renew_all(self, names: Sequence[str]) -> None:
-        for name in names:
-            self._renew(name)
-
-    def _renew(self, name: str) -> None:
-        """Restart the conditional modes of the outputs of a module, also after nodes."""
-        for link in self.plan.data_out[name]:
+    def _renew(self, names: Sequence[str]) -> None:
+        """Restart the conditional modes of the outputs of modules, also after nodes."""
+        for link in (link for name in names for link in self.plan.data_out[name]):
             link.renew()
             if link.kind == "data" and self.plan.kind(link.client) in FORWARDING:
-                self._renew(link.client)
+                self._renew([link.client])
 
     def _offer(self, name: str, link: Link) -> Offer:
         made, mode = self.plan.made(name), self.plan.carried(link)[0]
@@ -451,9 +434,8 @@ class Executor:
 
     def _side_receiver(self, element: Any, link: Link) -> Callable[[Message], None]:
         if isinstance(element, Gate):
-            late = link.stream == "control" and self.plan.stream(link.client) == "data"
-            boolean, in_circle = self.plan.is_boolean(link), self.plan.in_circle(link)
-            returns = self.plan.returns(link)
+            boolean, late = self.plan.is_boolean(link), self.plan.acts_late(link)
+            in_circle, returns = self.plan.in_circle(link), self.plan.returns(link)
             return element.trigger(Trigger(link, boolean, late, in_circle, returns))
         if isinstance(element, FlatArbitration | HierarchicalArbitration):
             return element.bounds.input(link)

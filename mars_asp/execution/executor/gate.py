@@ -1,15 +1,12 @@
 """Gates: the messages of triggers close a line for a time, and those of suppressors pass."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from mars_asp.execution.executor.bounds import is_true
 from mars_asp.execution.executor.delivery import Offer
 from mars_asp.execution.executor.link import Link, Message, Observer
 from mars_asp.execution.executor.schedule import Schedule
-
-#: The reason for which a Gate drops a message, by the kind of the trigger that keeps it closed.
-REASONS: Mapping[str, str] = {"suppress": "suppressed", "inhibit": "inhibited"}
 
 
 @dataclass(slots=True)
@@ -36,8 +33,11 @@ class Trigger:
 
     def hear(self, message: Message, now: int) -> None:
         """Close the line for the time of the trigger, or end that by a false truth."""
-        closes = self.link.kind == "suppress" or not self._is_boolean(message.value)
-        closes = closes or is_true(message.value)
+        boolean = self.boolean
+        if boolean is None:
+            # numpy's is `bool_` or `bool`.
+            boolean = type(message.value).__name__ in ("bool", "bool_")
+        closes = self.link.kind == "suppress" or not boolean or is_true(message.value)
         self.heard.append((now, closes, message.time))
         if not closes:
             self.until = now
@@ -45,11 +45,6 @@ class Trigger:
         if self.until <= now:
             self.since = now + self.late
         self.until = now + self.link.time
-
-    def _is_boolean(self, value: object) -> bool:
-        # numpy's is `bool_` or `bool`.
-        is_bool = type(value).__name__ in ("bool", "bool_")
-        return is_bool if self.boolean is None else self.boolean
 
 
 class Gate:
@@ -156,7 +151,7 @@ class Gate:
             if closer is None:
                 self._pass(link, message)
             else:
-                link.dropped[REASONS[closer.link.kind]] += 1
+                link.dropped["suppressed" if closer.link.kind == "suppress" else "inhibited"] += 1
             self.verdicts.append((self.schedule.now, closer, self.departed > departed))
 
     def _pass(self, link: Link, message: Message) -> None:

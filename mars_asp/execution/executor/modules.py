@@ -296,24 +296,18 @@ class Effector:
 
 def finish(module: Sensor | Algorithm, result: Any, rank: int) -> None:
     """Offer the result of a computation, unless it is None; then ask for completion."""
-    made = module.schedule.now
-    if result is None and (module.completion is None or not module.delay):
-        if module.completion is not None:
-            module.completion.ask()
+    if result is None and module.completion is None:
         return
+    made, epoch = module.schedule.now, module.epoch
     message = message_of((result, made, module.name, None, None))
     if module.delay:
-        epoch = module.epoch
         module.schedule.at(made + module.delay, rank, lambda: offer_all(module, message, epoch))
-        return
-    for offer in module.offers:
-        offer(message)
-    if module.completion is not None:
-        module.completion.ask()
+    else:
+        offer_all(module, message, epoch)
 
 
 def offer_all(module: Sensor | Algorithm, message: Message, epoch: int) -> None:
-    """Offer a delayed message to every output, unless a reset after `epoch` dropped it."""
+    """Offer a message to every output, unless a reset after `epoch` dropped it."""
     if module.epoch != epoch:
         for link in module.outputs if message.value is not None else ():
             link.dropped["reset"] += 1

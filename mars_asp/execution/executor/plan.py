@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from mars_asp.execution.executor.behaviour import Behaviour
 from mars_asp.execution.executor.delivery import AT_FREQUENCY, ON_REQUEST, WHEN_READY
-from mars_asp.execution.executor.link import Link, Stream
+from mars_asp.execution.executor.link import Link, SideKind, Stream
 from mars_asp.execution.executor.schedule import MILLISECOND, SECOND
 from mars_asp.model.declarations import (
     MOTION_FUNCTIONS,
@@ -25,6 +25,7 @@ from mars_asp.model.declarations import (
     Reset,
     Service,
     Strategy,
+    ends_of,
 )
 from mars_asp.model.ports import DELIVERING, free_positions, input_position, inputs
 from mars_asp.reasoning.synthesis.inheritance_nodes import InheritanceNodes
@@ -37,6 +38,7 @@ DEFAULT_HOLD = 200 * MILLISECOND
 ENDLESS = 2**62
 #: The kinds of modules and nodes that send commands; a Gate sends what its line carries.
 _COMMANDING = ("control_out", "arbitration_node", "control_splitter", "inheritance_node")
+_SIDE_KINDS: Mapping[type[Relationship], SideKind] = {Reset: "reset", Lock: "lock", Limit: "limit"}
 #: The kinds of nodes that forward data in the mode of their input.
 FORWARDING = ("data_splitter", "data_transformer", "gate_node")
 
@@ -61,6 +63,7 @@ class Plan:
         self.configuration = configuration
         self.modules = configuration.with_declared(modules)
         self.behaviours = behaviours
+        self.conversions = {each.transformer: each for each in reversed(configuration.conversions)}
         self.links: list[Link] = []
         self.data_in: defaultdict[str, list[Link]] = defaultdict(list)
         self.data_out: defaultdict[str, list[Link]] = defaultdict(list)
@@ -125,7 +128,8 @@ class Plan:
         for link in self.links:
             if link.kind in ("data", "control"):
                 continue
-            if self.is_node(link.source) or link.source in self.modules or self._sends(link.source):
+            sends = self.data_out[link.source] or self.control_out[link.source]
+            if self.is_node(link.source) or link.source in self.modules or sends:
                 link.stream = self.stream(link.source)
             elif link.kind == "limit":
                 link.stream = "control"
@@ -173,9 +177,6 @@ class Plan:
             *(*self.data_in[name], *self.control_in[name]),
             *(*self.side_in[name], *self.inner.get(name, ())),
         )
-
-    def _sends(self, name: str) -> bool:
-        return bool(self.data_out[name] or self.control_out[name])
 
     def stream(self, name: str) -> Stream:
         """Return the stream that a module or node sends."""
@@ -249,7 +250,7 @@ class Plan:
             depth, stage = 0, -1
             for name in members:
                 for link in self._reaching(name):
-                    if self.in_circle(link) or self._acts_late(link):
+                    if self.in_circle(link) or self.acts_late(link):
                         continue
                     if link.stream == "data":
                         depth = max(depth, self.data_depth[link.source] + 1)
@@ -267,7 +268,7 @@ class Plan:
             return 1 + (stage < 0)
         return int(kind == "control_out" and stage < 0)
 
-    def _acts_late(self, link: Link) -> bool:
+    def acts_late(self, link: Link) -> bool:
         """Whether a command triggers a Gate of data: it acts from the next instant on."""
         is_gate = link.kind in ("suppress", "inhibit")
         return is_gate and link.stream == "control" and self.stream(link.client) == "data"
@@ -315,9 +316,8 @@ class Plan:
     def is_boolean(self, link: Link) -> bool | None:
         """Whether the messages of a link are truths, or None if that is unknown."""
         for name in self._upstream(link.source):
-            for conversion in self.configuration.conversions:
-                if conversion.transformer == name:
-                    return _is_boolean(conversion.target)
+            if name in self.conversions:
+                return _is_boolean(self.conversions[name].target)
         outputs = [s.output for s in self.services(name) if s.kind in DELIVERING]
         return None if not outputs or outputs[0] is None else _is_boolean(outputs[0])
 
@@ -350,8 +350,8 @@ class Plan:
 
     def converter_of(self, transformer: str) -> str | None:
         """Return the declared converter of a DataTransformer, or None."""
-        declared = self.configuration.conversions
-        return next((c.converter for c in declared if c.transformer == transformer), None)
+        found = self.conversions.get(transformer)
+        return None if found is None else found.converter
 
     def is_node(self, name: str) -> bool:
         """Whether a name is an introduced node, not a module."""
@@ -593,18 +593,15 @@ class Plan:
 
 def _side_link(line: Gating | Reset | Lock | Limit) -> Link:
     """Return the link of a relationship that ends at the side of a Gate, arbiter or module."""
-    match line:
-        case Gating():
-            link = Link(line.sign, line.trigger, line.gated, line.span)
-            link.time = line.ms * MILLISECOND
-        case Reset():
-            link = Link("reset", line.source, line.module, line.span)
-        case Lock():
-            link = Link("lock", line.source, line.controlled, line.span, declared=line.priority)
-            link.hold = _nanoseconds(line.hold_ms)
-        case Limit():
-            link = Link("limit", line.source, line.controlled, line.span)
-            link.hold = _nanoseconds(line.hold_ms)
+    client, source = ends_of(line)
+    kind = line.sign if isinstance(line, Gating) else _SIDE_KINDS[type(line)]
+    link = Link(kind, source, client, line.span)
+    if isinstance(line, Gating):
+        link.time = line.ms * MILLISECOND
+    elif not isinstance(line, Reset):
+        link.hold = _nanoseconds(line.hold_ms)
+    if isinstance(line, Lock):
+        link.declared = line.priority
     return link
 
 

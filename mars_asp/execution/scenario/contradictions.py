@@ -1,7 +1,7 @@
 """Checks that a schema cannot express: contradictions and values without effect."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import pairwise
+from itertools import pairwise, starmap
 from math import dist, inf
 from typing import Any
 
@@ -130,7 +130,9 @@ def _shapeless(world: Mapping[str, Any]) -> Iterator[Mistake]:
         if all(point == way[0] for point in way):
             message = "an obstacle of `moving` ends where it begins"
             yield Mistake(("world", "moving", number), message, "list it under `circles`")
-        elif _turns(way, moving.get("speed", 0)) > _MOST_TURNS:
+            continue
+        turns = moving.get("speed", 0) * (len(way) - 1) / sum(starmap(dist, pairwise(way)))
+        if turns > _MOST_TURNS:
             message = f"an obstacle of `moving` turns more than {_MOST_TURNS} times a second"
             help_text = "lower its `speed`, or let it go further"
             yield Mistake(("world", "moving", number), message, help_text)
@@ -146,9 +148,3 @@ def _scattered(scatter: Mapping[str, Any]) -> Iterator[Mistake]:
     if None not in (least, most) and least > most:
         message = f"the least `radius` is {least}, above the greatest, which is {most}"
         yield Mistake(("world", "scatter", "radius"), message, "swap or change them")
-
-
-def _turns(way: Sequence[Sequence[float]], speed: float) -> float:
-    """Return how many points of its way an obstacle passes in a second."""
-    lengths = [dist(*ends) for ends in pairwise(way)]
-    return speed * len(lengths) / sum(lengths)

@@ -127,13 +127,10 @@ def _sensor(
     if kind == "odometry":
         return odometry(body, noise, **options("sigma"))
     if kind == "joystick":
-        return joystick([(float(at), _scripted_command(*held)) for at, *held in script])
+        # An entry without a rate releases the stick.
+        held = ((float(at), (name, float(*rate)) if rate else None) for at, name, *rate in script)
+        return joystick(list(held))
     return bumper(body)
-
-
-def _scripted_command(function: str, rate: float | None = None) -> tuple[str, float] | None:
-    """Return the command of an entry in a joystick's script; None if it is released."""
-    return None if rate is None else (function, float(rate))
 
 
 def _way(

@@ -13,7 +13,7 @@ from mars_asp.behaviour.calls import EntryPoint, Made, UnfitError, made, method_
 from mars_asp.behaviour.context import Context
 from mars_asp.behaviour.imports import Folder, folder_of, place_of
 from mars_asp.behaviour.values import copied
-from mars_asp.diagnostic import Diagnostic, MarsError, Span
+from mars_asp.diagnostic import Diagnostic, MarsError
 from mars_asp.execution.executor import Behaviour
 from mars_asp.execution.executor.behaviour import InjectedError
 from mars_asp.execution.executor.plan import Plan, Slot
@@ -72,11 +72,11 @@ class Functions:
         else:
             period, delay = (_nanoseconds(declared.get(key)) for key in ("period", "delay"))
             return Behaviour(_staying(call, folder), period, delay or 0, place=place)
-        self.problems.append(
-            Diagnostic(
-                "binding", "error", f"`{name}`: {message}", self._binding_span(name), (), help_text
-            )
-        )
+        # At the binding of the module, or at its annotated function.
+        module, message = self.plan.modules.get(name), f"`{name}`: {message}"
+        annotated = module.services[0].span if module and module.services else self.scenario.span
+        span = self.scenario.places.get(f"bindings.{name}", annotated)
+        self.problems.append(Diagnostic("binding", "error", message, span, (), help_text))
         return None
 
     def resetting(self, name: str, path: Path, called: str) -> Callable[..., Any] | None:
@@ -129,9 +129,8 @@ class Functions:
             if not callable(target):
                 raise UnfitError(f"`{called}` is not a function", "name a function or a class")
             inputs_of_module = entries(self.plan, name) if given is None else given
-            return prepared(target, context, self.clock, inputs_of_module, knows=knows), _place_of(
-                target
-            )
+            call = prepared(target, context, self.clock, inputs_of_module, knows=knows)
+            return call, _place_of(target)
 
     def _part(self, target: Any, part: str, context: Context, knows: bool) -> tuple[Any, bool]:
         """Return the attribute `part`, and whether its object got the context (`knows`)."""
@@ -166,12 +165,6 @@ class Functions:
         named = [service.function for service in services if service.kind != "Reset"]
         return next((each for each in named if each and hasattr(instance, each)), None)
 
-    def _binding_span(self, name: str) -> Span:
-        """Return the location of the binding of a module, or of its annotated function."""
-        module = self.plan.modules.get(name)
-        annotated = module.services[0].span if module and module.services else self.scenario.span
-        return self.scenario.places.get(f"bindings.{name}", annotated)
-
 
 def _staying(call: Callable[..., Any], folder: Folder) -> Callable[..., Any]:
     """Return a function that imports from its folder and cannot exit the process."""
@@ -201,10 +194,8 @@ def entries(plan: Plan, name: str) -> tuple[EntryPoint, ...] | None:
     if name not in plan.names:
         return (EntryPoint("what it converts"),)
     kind = plan.kind(name)
-    if kind == "effector":
-        return (EntryPoint("a command"),)
-    if kind == "data_transformer":
-        return (EntryPoint("what it converts"),)
+    if kind in ("effector", "data_transformer"):
+        return (EntryPoint("a command" if kind == "effector" else "what it converts"),)
     slots = plan.slots.get(name, ())
     if not (slots or plan.data_out[name] or plan.control_out[name]):
         return None  # it does not run

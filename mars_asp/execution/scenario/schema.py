@@ -20,7 +20,20 @@ _Schema: TypeAlias = dict[str, Any]
 _Path: TypeAlias = tuple[str | int, ...]
 
 
-SCHEMA: _Schema = json.loads(Path(__file__).with_name("scenario.schema.json").read_bytes())
+def _inlined(schema: Any, definitions: Mapping[str, _Schema]) -> Any:
+    """Return a schema with definitions in place of references, so that paths lead through it."""
+    if isinstance(schema, list):
+        return [_inlined(each, definitions) for each in schema]
+    if not isinstance(schema, dict):
+        return schema
+    if "$ref" in schema:
+        return _inlined(definitions[schema["$ref"].removeprefix("#/definitions/")], definitions)
+    return {key: _inlined(each, definitions) for key, each in schema.items()}
+
+
+_FILE = json.loads(Path(__file__).with_name("scenario.schema.json").read_bytes())
+_DEFINITIONS = _FILE.pop("definitions")
+SCHEMA: _Schema = _inlined(_FILE, _DEFINITIONS)
 
 
 def _with_robot(robot: _Schema) -> _Schema:

@@ -32,6 +32,7 @@ from mars_asp.model.declarations import (
     Service,
     Strategy,
     ends_of,
+    ports_of,
 )
 from mars_asp.model.described import CLASSES, annotated_classes, described_modules
 from mars_asp.model.ports import DELIVERING, outputs
@@ -295,8 +296,7 @@ class Compiler:
         if isinstance(line, Lock | Limit) and line.hold_ms is not None:
             self.add(span, "bound_hold", number, line.hold_ms)
         self.add(span, "taken_from", number, ends_of(line)[1])
-        port = line.trigger_port if isinstance(line, Gating) else line.source_port
-        if port is not None:
+        if ports_of(line)[1] is not None:
             self.add(span, "names_port", number)
 
     def truths(self) -> None:

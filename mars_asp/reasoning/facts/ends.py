@@ -12,12 +12,11 @@ from mars_asp.model.declarations import (
     Configuration,
     Data,
     Gating,
-    Limit,
-    Lock,
     Module,
     Relationship,
-    Reset,
     Service,
+    ends_of,
+    ports_of,
 )
 from mars_asp.model.names import end
 from mars_asp.model.ports import DELIVERING, Input, inputs, outputs
@@ -106,7 +105,9 @@ def ends_in(configuration: Configuration, described: Mapping[str, Module]) -> En
     lines = [each for each in configuration.relationships if isinstance(each, Data)]
     named: dict[str, dict[str, None]] = {}
     entered: dict[str, dict[str, None]] = {}
-    several_inputs = {name for name, module in described.items() if _has_several_inputs(module)}
+    # Most modules have few parameters, and need no names for them.
+    several = (n for n, m in described.items() if sum(len(s.inputs) for s in m.services) > 1)
+    several_inputs = {name for name in several if len(inputs(described[name])) > 1}
     for line in lines:
         if line.source_port is not None:
             named.setdefault(line.source, {})[line.source_port] = None
@@ -124,8 +125,8 @@ def ends_in(configuration: Configuration, described: Mapping[str, Module]) -> En
     every: dict[str, Output] = {}
     sources: dict[tuple[str, str | None], str] = {}
     declared: dict[str, str] = {}
-    several = {name for name, module in described.items() if len(_delivering(module)) > 1}
-    for name in sorted(several | named.keys()):
+    delivering = {name for name, module in described.items() if len(_delivering(module)) > 1}
+    for name in sorted(delivering | named.keys()):
         found = _outputs(name, described.get(name), named.get(name, ()))
         own = [output for output in found if name not in described or output.service is not None]
         for output in found:
@@ -149,15 +150,9 @@ def ends_in(configuration: Configuration, described: Mapping[str, Module]) -> En
 def side_outputs(lines: Iterable[Relationship]) -> Iterator[tuple[str, str]]:
     """Yield the outputs that lines of gates, resets, locks and limits take, as module and port."""
     for line in lines:
-        match line:
-            case Gating(trigger_port=str(port)):
-                yield line.trigger, port
-            case (
-                Reset(source_port=str(port))
-                | Lock(source_port=str(port))
-                | Limit(source_port=str(port))
-            ):
-                yield line.source, port
+        port = ports_of(line)[1]
+        if port is not None and not isinstance(line, Data):
+            yield ends_of(line)[1], port
 
 
 def _is_input(
@@ -174,13 +169,6 @@ def _is_input(
     if module is not None:
         return line.port in inputs(module) and line.port not in outputs(module)
     return line.port in entered.get(line.gated, ()) and line.port not in named.get(line.gated, ())
-
-
-def _has_several_inputs(module: Module) -> bool:
-    # Most modules have few parameters, and need no names for them.
-    if sum(len(service.inputs) for service in module.services) < 2:
-        return False
-    return len(inputs(module)) > 1
 
 
 def ends_of_specification(

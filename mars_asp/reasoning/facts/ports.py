@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TypeAlias
 
-from mars_asp.asp.solve.atoms import Atom, Fact, Term
+from mars_asp.asp.solve.atoms import Fact, fact_at
 from mars_asp.diagnostic import Span
 from mars_asp.model.declarations import (
     Configuration,
@@ -15,6 +15,7 @@ from mars_asp.model.declarations import (
     Relationship,
     Reset,
     ends_of,
+    ports_of,
 )
 from mars_asp.model.described import module_classes
 from mars_asp.model.names import end
@@ -37,7 +38,7 @@ def output_facts(configuration: Configuration, ends: Ends) -> Iterator[Fact]:
     for text, output in ends.outputs.items():
         place = places.get(output.module, configuration.span)
         span = place if output.service is None else output.service.span
-        yield _fact(span, "output_of", text, output.module)
+        yield fact_at(span, "output_of", text, output.module)
 
 
 def named_inputs(ends: Ends, lines: Numbered) -> Iterator[Fact]:
@@ -46,7 +47,7 @@ def named_inputs(ends: Ends, lines: Numbered) -> Iterator[Fact]:
         if isinstance(line, Data):
             named = ends.entry(line)
             if named is not None:
-                yield _fact(line.span, "into", number, named)
+                yield fact_at(line.span, "into", number, named)
 
 
 def turns(configuration: Configuration, ends: Ends, lines: Numbered) -> Iterator[Fact]:
@@ -62,7 +63,7 @@ def turns(configuration: Configuration, ends: Ends, lines: Numbered) -> Iterator
     for line in configuration.relationships:
         if isinstance(line, Data) and line.client_port is None and line.client in clients:
             counts[line.client] += 1
-            yield _fact(line.span, "in_turn", numbers[id(line)], counts[line.client])
+            yield fact_at(line.span, "in_turn", numbers[id(line)], counts[line.client])
 
 
 def input_facts(configuration: Configuration, described: Described, ends: Ends) -> Iterator[Fact]:
@@ -73,14 +74,14 @@ def input_facts(configuration: Configuration, described: Described, ends: Ends) 
     for text, entry in ends.entries.items():
         if entry.found is None:
             place = places.get(entry.module, configuration.span)
-            yield _fact(place, "input_of", text, entry.module)
+            yield fact_at(place, "input_of", text, entry.module)
             continue
         services = described[entry.module].services
         first = services[entry.found.parameters[0].service]
-        yield _fact(first.span, "input_of", text, entry.module)
+        yield fact_at(first.span, "input_of", text, entry.module)
         for at, index in entry.found.parameters:
             number, span = numbers[entry.module, id(services[at])]
-            yield _fact(span, "takes_in", text, number, index)
+            yield fact_at(span, "takes_in", text, number, index)
 
 
 def loose_ends(
@@ -97,12 +98,18 @@ def loose_ends(
     data = [line for _, line in lines if isinstance(line, Data)]
     taken = {ends.source(line) for line in data}
     taken |= {ends.output(*port) for port in side_outputs(configuration.relationships)}
-    taken.update(_taken_alone(configuration, described))
+    for line in configuration.relationships:
+        # One that names no port takes the only output of a module without commands.
+        if isinstance(line, Gating | Reset | Lock) and ports_of(line)[1] is None:
+            source = ends_of(line)[1]
+            module = described.get(source)
+            if module is not None and "control_out_algorithm" not in module_classes(module):
+                taken.add(source)
     numbers = annotation_numbers(configuration, described)
     outputs = list(_port_ends(described, _outputs_of, numbers, canonical))
     free = [port for port in outputs if ends.output(port.module, port.port) not in taken]
     for port in free:
-        yield _fact(port.span, "port_name", port.annotation, end(port.module, port.port))
+        yield fact_at(port.span, "port_name", port.annotation, end(port.module, port.port))
     if not free:
         return
     entered = {(line.client, line.client_port) for line in data}
@@ -111,22 +118,7 @@ def loose_ends(
     for entry, output, rank in nearest(open_, outputs, frozenset(free)):
         called = end(entry.module, entry.port)
         place = entry.annotation, entry.place
-        yield _fact(entry.span, "near", *place, called, output.annotation, rank)
-
-
-def _taken_alone(configuration: Configuration, described: Described) -> Iterator[str]:
-    """Yield the modules of which a gate, reset, lock or limit takes the only output, unnamed."""
-    for line in configuration.relationships:
-        if isinstance(line, Gating | Reset | Lock):
-            source = ends_of(line)[1]
-            port = line.trigger_port if isinstance(line, Gating) else line.source_port
-            module = described.get(source)
-            if (
-                port is None
-                and module is not None
-                and "control_out_algorithm" not in module_classes(module)
-            ):
-                yield source
+        yield fact_at(entry.span, "near", *place, called, output.annotation, rank)
 
 
 def unknown_ports(described: Described, ends: Ends) -> Mapping[str, Iterable[str]]:
@@ -141,10 +133,6 @@ def unknown_ports(described: Described, ends: Ends) -> Mapping[str, Iterable[str
             into = inputs(described[entry.module])
             found[text] = [end(entry.module, port) for port in into]
     return found
-
-
-def _fact(span: Span, name: str, *arguments: Term) -> Fact:
-    return Fact(Atom(name, arguments), span)
 
 
 def _module_spans(configuration: Configuration) -> Mapping[str, Span]:

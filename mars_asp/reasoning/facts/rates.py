@@ -11,7 +11,7 @@ from decimal import Decimal
 from fractions import Fraction
 from math import ceil
 
-from mars_asp.asp.solve.atoms import Atom, Fact
+from mars_asp.asp.solve.atoms import Fact, fact_at
 from mars_asp.model.declarations import Configuration, Data, Module, Service
 from mars_asp.model.ranges import MOST
 from mars_asp.model.rates import Rate
@@ -102,9 +102,9 @@ def rounded_rates(
     `services` are the delivering services of outputs, by the names of the outputs.
     """
     for rate in rates.rounded:
-        yield Fact(Atom("rounded", (rate,)), configuration.span)
+        yield fact_at(configuration.span, "rounded", rate)
         below = min(ceil(1000 / rates.hertz(rate)) - 1, MOST)
-        yield Fact(Atom("below_period", (rate, below)), configuration.span)
+        yield fact_at(configuration.span, "below_period", rate, below)
     if not rates.rounded:
         return
     entries: set[tuple[int, int]] = set()
@@ -118,4 +118,4 @@ def rounded_rates(
         pair = rates.millihertz(hz), rates.millihertz(line.hz)
         if pair not in entries:
             entries.add(pair)
-            yield Fact(Atom("multiple", pair), line.span)
+            yield fact_at(line.span, "multiple", *pair)

@@ -127,21 +127,21 @@ class TermNames:
             return 1, self.modules.get(symbol.string, len(self.modules)), symbol.string
         return 2, 0, str(symbol)
 
-    def _at(self, thing: clingo.Symbol) -> str:
-        return self.where(self.place(as_term(thing)))
-
     def where(self, span: Span) -> str:
-        """Return a location as `config.mars:3`, relative to the folder of the configuration.
+        """Return a location in a sentence: relative to the folder of the configuration."""
+        folder = self.configuration.path.rpartition("/")[0]
+        return self.location(span).removeprefix(f"{folder}/" if folder else "")
+
+    def location(self, span: Span) -> str:
+        """Return a location as `level0/config.mars:3`.
 
         A folder that was read as one robot has no lines: `workspace/`.
         """
         shown = self._shown.get(span.path)
         if shown is None:
-            folder = self.configuration.path.rpartition("/")[0]
-            path = span.path.removeprefix(f"{folder}/") if folder else span.path
             # Few files are cited very often.
-            shown = f"{path.rstrip('/')}/" if Path(span.path).is_dir() else f"{path}:"
-            self._shown[span.path] = shown
+            is_folder = Path(span.path).is_dir()
+            shown = self._shown[span.path] = f"{span.path.rstrip('/')}{'/' if is_folder else ':'}"
         return shown if shown.endswith("/") else f"{shown}{span.line}"
 
     def _splitters_for(self, controllers: clingo.Symbol) -> str:
@@ -159,14 +159,11 @@ class TermNames:
         shown = Decimal(round(rate * 1000)) / 1000 or Decimal(f"{float(rate):.3g}")
         return f"{plain(shown)} Hz ({words})"
 
-    def _node(self, node: clingo.Symbol) -> str:
-        return self.nodes[str(node)]
-
 
 #: The writers of terms with one argument, by their names.
 _WORDS: Mapping[str, Callable[[TermNames, clingo.Symbol], str]] = {
-    "at": TermNames._at,
-    "node": TermNames._node,
+    "at": lambda names, thing: names.where(names.place(as_term(thing))),
+    "node": lambda names, node: names.nodes[str(node)],
     "hz": TermNames._hz,
     "sends": lambda names, rate: f"delivers at {names.word(rate)}",
     "offers": lambda names, mode: f"offers {names.word(mode)}",
@@ -312,7 +309,7 @@ def _cited(cites: Sequence[RenderedMessage], names: TermNames) -> Iterator[Cited
         if each.rule.because is not None:
             labels.setdefault(span[:2], {})[_sentence(each, names)] = None
     for line, (_, span) in sorted(lines.items(), key=lambda item: item[1]):
-        yield Cited(span, names.where(span), "; ".join(labels.get(line, ())))
+        yield Cited(span, names.location(span), "; ".join(labels.get(line, ())))
 
 
 def _sentence(each: RenderedMessage, names: TermNames) -> str:
@@ -416,7 +413,7 @@ def _account_and_rule(
         return account, found.rules.get(key[1])
     if account.answer and account.cites:
         return account, thing.rule.id
-    cites = account.cites or tuple(Cited(span, names.where(span), "") for span in thing.spans)
+    cites = account.cites or tuple(Cited(span, names.location(span), "") for span in thing.spans)
     return replace(account, answer=account.answer or thing.message, cites=cites), thing.rule.id
 
 

@@ -165,7 +165,7 @@ class _AlternativesSearch:
             self.synthesis,
             self.analysis,
             sum(isinstance(r, Connection) for r in self.project.configuration.relationships),
-            self._declared(),
+            sum(1 for each in _COUNTED for _ in self.analysis.grounding.symbols(*each)),
             len(forced) + sum(len(_costly(part) & part.best.true) for part in parts),
             tuple(names[atom] for atom in forced),
             (*self._explained(needs[:shown]), *needs[len(needs[:shown]) :]),
@@ -175,11 +175,6 @@ class _AlternativesSearch:
             tuple(entries),
             len(found) <= most,
         )
-
-    def _declared(self) -> int:
-        """Return the number of relationships but mounts and strategies, without repetitions."""
-        grounding = self.analysis.grounding
-        return sum(1 for each in _COUNTED for _ in grounding.symbols(*each))
 
     def _cores_by_level(
         self, parts: Iterable[Part]

@@ -95,7 +95,9 @@ class Annotations:
         Raises:
             NoPlaceError: the module has no declaration that can carry the annotation.
         """
-        inside = self._inside(module)
+        first = self._index(module.span) + 1
+        words = [each.word for each in self._found]
+        inside = self._found[first : words.index("module_end", first) + 1]
         if word in FUNCTIONS:
             heads = [d for d in inside if d.word in FUNCTIONS or d.word == "module_name"]
             self._write_after(heads[-1], f"@{word}")
@@ -129,14 +131,6 @@ class Annotations:
 
     def _index(self, span: Span) -> int:
         return self._places[span.line, span.column]
-
-    def _inside(self, module: Module) -> list[Directive]:
-        """Return the annotations of a module after its `@module_start`, the last its end."""
-        first = self._index(module.span) + 1
-        last = next(
-            n for n in range(first, len(self._found)) if self._found[n].word == "module_end"
-        )
-        return self._found[first : last + 1]
 
     def _group(self, index: int) -> list[Directive]:
         """Return the annotation at an index with those of the same declaration."""

@@ -126,7 +126,12 @@ def _explained(
 ) -> Explanation:
     project = reasoner.project
     if subject is not None and only is not None:
-        _check_module(subject, project, only)
+        names = [name.text for name in project.configuration.modules]
+        if subject not in names:
+            others = "only a module has both consequences and nodes"
+            message = f"`{subject}` is not a module, and {others}"
+            help_text = suggestion(subject, names, f"leave out `--only {only}`")
+            raise wrong_subject(project, message, help_text)
     evidence = reasoner.evidence(resolved=False)
     chosen = _consequences(evidence, project, subject, only)
     if subject is not None and not chosen and _is_consequence(subject, reasoner.rulebook):
@@ -222,20 +227,6 @@ def _is_node(subject: str | None, project: Project) -> bool:
     named = {name.text for name in project.configuration.modules}
     kind = None if subject is None else project.configuration.node_kind(subject)
     return kind is not None and subject not in named
-
-
-def _check_module(subject: str, project: Project, only: Sort) -> None:
-    """Raise MarsError unless a subject is a module, as `--only` needs one.
-
-    Raises:
-        MarsError: it is something else, which is of one sort or of none.
-    """
-    names = [name.text for name in project.configuration.modules]
-    if subject not in names:
-        message = f"`{subject}` is not a module, and only a module has both consequences and nodes"
-        raise wrong_subject(
-            project, message, suggestion(subject, names, f"leave out `--only {only}`")
-        )
 
 
 def _nothing_of(

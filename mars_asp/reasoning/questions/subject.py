@@ -87,6 +87,8 @@ def no_node(subject: str, nodes: Sequence[str], project: Project) -> MarsError:
     known = f"the nodes are {', '.join(nodes[:_MOST_NAMES])}{more}" if nodes else "there are none"
     if not nodes and project.configuration.kind == "specification":
         known = "nothing is added to a file that is a specification already: ask of a configuration"
+        if project.configuration.origin is not None:
+            known += f", as `mars-asp import {project.configuration.origin} --contract` prints it"
     message = f"`{subject}` is not a node of the specification"
     if subject in {name.text for name in project.configuration.modules}:
         message = f"`{subject}` is a module of the configuration, not a node that synthesis adds"

@@ -20,16 +20,13 @@ from mars_asp.model.declarations import (
     Configuration,
     Control,
     Data,
-    Gating,
-    Limit,
-    Lock,
     Mount,
     Relationship,
-    Reset,
     Strategy,
     ends_of,
     ports_of,
     verb_of,
+    with_source,
 )
 from mars_asp.reasoning.facts.identifiers import numbered
 from mars_asp.reasoning.questions.subject import no_node
@@ -45,7 +42,10 @@ from mars_asp.reasoning.verification import (
 _LEFT = "<left>"
 #: Predicates whose reasons show no path, but only which output a name means.
 _MEANINGS = (
-    *(Signature(name, 2) for name in ("sends", "aside_sort", "name_sort", "sort_of_end", "sort_of_trigger")),
+    *(
+        Signature(name, 2)
+        for name in ("sends", "aside_sort", "name_sort", "sort_of_end", "sort_of_trigger")
+    ),
     *(Signature("goes_by", 3), Signature("with_side_lines", 0)),
 )
 #: The rule is about the side line that its first argument identifies, and cites no location.
@@ -162,20 +162,13 @@ def _without(lines: Sequence[Relationship], name: str) -> Iterator[_Line]:
 
 
 def _joined(given: Relationship, taken: Relationship) -> Relationship:
-    if isinstance(given, Data) and isinstance(taken, Data):
-        return replace(taken, source=given.source, source_port=given.source_port)
-    assert isinstance(given, Data | Control)
-    source = given.source if isinstance(given, Data) else given.controller
-    port = given.source_port if isinstance(given, Data) else None
-    if isinstance(taken, Gating):
-        return replace(taken, trigger=source, trigger_port=port)
-    if isinstance(taken, Reset | Lock | Limit):
-        return replace(taken, source=source, source_port=port)
+    joined = with_source(taken, ends_of(given)[1], ports_of(given)[1])
+    if not isinstance(joined, Control):
+        return joined
     assert isinstance(given, Control)
     assert isinstance(taken, Control)
     return replace(
-        taken,
-        controller=given.controller,
+        joined,
         priority=taken.priority if given.priority is None else given.priority,
         hold_ms=taken.hold_ms if given.hold_ms is None else given.hold_ms,
         allocation=taken.allocation if given.allocation is None else given.allocation,

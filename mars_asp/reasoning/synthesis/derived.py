@@ -30,7 +30,7 @@ class SpecifiedAtoms:
         self._grounding = Grounding((), answer.true_of(sorted(read)))
         self._grounding.derive(rulebook.fragments(STAGE))
         #: The texts of terms and strings; cached, as few terms occur in very many atoms.
-        self.text, self.string = cache(text), cache(_string)
+        self.text, self.string = cache(text), cache(lambda term: as_symbol(term).string)
 
     def hand_to(self, grounding: Grounding) -> None:
         """Add the derived atoms to the grounding of the answer, so that it can explain them."""
@@ -79,10 +79,6 @@ class SpecifiedAtoms:
         for node, kind, subject in self.rows("resolves", 3):
             found.setdefault(node, set()).add(f"{self.text(kind)}({self.string(subject)})")
         return {node: tuple(sorted(words)) for node, words in found.items()}
-
-
-def _string(term: TermId) -> str:
-    return as_symbol(term).string
 
 
 def decided_by(rulebook: Rulebook, kind: str) -> Signature | None:

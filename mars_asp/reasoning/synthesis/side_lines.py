@@ -70,8 +70,9 @@ class SideLines:
     def write_into(self, node: TermId) -> None:
         """Write the side lines of a new node, in the order of the configuration."""
         lines = self._into.pop(node, ())
+        places = self._places
         for line in sorted(
-            lines, key=lambda each: (each.predicate == _STRATEGY, self._place(each))
+            lines, key=lambda each: (each.predicate == _STRATEGY, places[each.line])
         ):
             self._write(line)
 
@@ -81,13 +82,10 @@ class SideLines:
         if line is not None:
             self._write(line)
 
-    def _place(self, line: _SideLine) -> int:
-        return self._places[line.line]
-
     def _write(self, line: _SideLine) -> None:
         draft = self._draft
         receiver = draft.name(line.receiver, self._derived)
-        span = draft.relationships[self._place(line)].span
+        span = draft.relationships[self._places[line.line]].span
         if line.predicate == _STRATEGY:
             strategy = cast("StrategyName", text(line.feeder))
             period = self._numbers["spec_mean_period"].get(line.line)

@@ -106,7 +106,7 @@ def wrong_derivations(text: str, facts: Iterable[str]) -> list[str] | None:
     return wrong
 
 
-@pytest.mark.parametrize("first", [20 * each for each in seeds(2, 8)])
+@pytest.mark.parametrize("first", [20 * each for each in seeds(1, 8)])
 def test_all_derivations_of_random_programs(first: int) -> None:
     answered = 0
     for seed in range(first, first + 20):
@@ -116,7 +116,7 @@ def test_all_derivations_of_random_programs(first: int) -> None:
     assert answered > 10
 
 
-@pytest.mark.parametrize("first", [20 * each for each in seeds(2, 8)])
+@pytest.mark.parametrize("first", [20 * each for each in seeds(1, 8)])
 def test_random_programs(first: int) -> None:
     answered = 0
     for seed in range(first, first + 20):

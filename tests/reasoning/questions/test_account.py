@@ -5,11 +5,13 @@ rule of `rules/account`.
 """
 
 import argparse
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Sequence
+from contextlib import redirect_stdout, suppress
 from dataclasses import replace
 from functools import cache
+from io import StringIO
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -22,7 +24,7 @@ from mars_asp.diagnostic import MarsError, Span
 from mars_asp.reasoning.project import load_project
 from mars_asp.reasoning.questions.account import ACCOUNT, STAGE, Account, Cited, true_atoms
 from mars_asp.reasoning.questions.capability import capability
-from mars_asp.reasoning.questions.explain import Topic, explain
+from mars_asp.reasoning.questions.explain import Explanation, Topic, explain
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
 from tests.support import counterfactual
@@ -72,14 +74,26 @@ def show_all_paragraphs(monkeypatch: Patch) -> None:
     monkeypatch.setattr("mars_asp.cli.explain._covered_by_nodes", lambda topics: ())
 
 
+@cache
+def explained(path: Path) -> tuple[str, Sequence[Topic]]:
+    """Return the output of `explain` about a case, and the topics that it shows."""
+    found: list[Topic] = []
+
+    def noted(*arguments: Any) -> Explanation:
+        found.extend((result := explain(*arguments)).topics)
+        return result
+
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(StringIO()) as output:
+        patch.chdir(path.parent)
+        show_all_paragraphs(patch)
+        patch.setattr("mars_asp.cli.explain.explain", noted)
+        run_here(["explain", path.name])
+    return output.getvalue(), found
+
+
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
-def test_the_explanation_of_each_case_is_as_expected(
-    path: Path, capsys: Captured, monkeypatch: Patch, update_golden: bool
-) -> None:
-    monkeypatch.chdir(path.parent)
-    show_all_paragraphs(monkeypatch)
-    run_here(["explain", path.name])
-    output, expected = capsys.readouterr().out, path.with_suffix(".txt")
+def test_the_explanation_of_each_case_is_as_expected(path: Path, update_golden: bool) -> None:
+    output, expected = explained(path)[0], path.with_suffix(".txt")
     if update_golden:
         expected.write_text(output, encoding="utf-8")
     assert output == expected.read_text(encoding="utf-8")
@@ -165,7 +179,8 @@ def test_every_rule_speaks_in_a_case() -> None:
     assert telling - spoken == UNSPOKEN
 
 
-def test_whatever_a_sentence_counts_is_listed() -> None:
+def test_whatever_a_sentence_counts_is_listed(monkeypatch: Patch) -> None:
+    monkeypatch.chdir(CASES[0].parent)
     assert [missing for account in _accounts() for missing in uncounted(account)] == []
 
 
@@ -177,32 +192,27 @@ def test_counts_without_a_list_are_found() -> None:
     ]
 
 
-@cache
-def _accounts() -> tuple[Account, ...]:
+def _accounts() -> list[Account]:
     """Return the accounts of all cases."""
-    return tuple(
-        topic.account
-        for path in CASES
-        for topic in topics(path.read_text(encoding="utf-8"), str(path))
-        if topic.account is not None
-    )
+    each_topic = (topic for path in CASES for topic in explained(path)[1])
+    return [topic.account for topic in each_topic if topic.account is not None]
 
 
 @pytest.mark.parametrize(
     "path",
-    [*sample(CASES, 26), *sample(EXAMPLES, 26)],
+    [*sample(CASES, 26, 13), *sample(EXAMPLES, 26)],
     ids=lambda path: str(path.relative_to(ROOT)),
 )
 def test_whatever_is_cited_is_a_cause(path: Path) -> None:
     assert list(uncaused(path.read_text(encoding="utf-8"), str(path))) == []
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", sample(KINDS, 2))
 def test_whatever_is_cited_of_random_configurations_is_a_cause(kind: type) -> None:
     assert list(uncaused(kind(0))) == []
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", sample(KINDS, 2, 1))
 def test_an_answer_leads_to_each_cause(kind: Callable[[int], str]) -> None:
     assert list(uncited(kind(2))) == []
 

@@ -47,7 +47,7 @@ def test_nothing_differs_from_itself(configuration: Configuration) -> None:
     assert (found.added, found.removed) == ((), ())
 
 
-@settings(few, max_examples=examples(4, 12))
+@settings(few, max_examples=examples(2, 12))
 @given(configurations, configurations)
 def test_a_reversed_diff_swaps_appeared_and_vanished(
     old: Configuration, new: Configuration
@@ -96,7 +96,7 @@ def test_json_names_the_lines(tmp_path: Path, capsys: Captured) -> None:
 
 
 def test_lines_that_do_not_differ_as_text_are_neither_added_nor_removed(tmp_path: Path) -> None:
-    for seed in seeds(4, 12):
+    for seed in seeds(2, 12):
         rng, sides = random.Random(seed), []
         for name, text in zip("ab", _two_alike(rng, seed), strict=True):
             path = tmp_path / f"{name}{seed}.mars"

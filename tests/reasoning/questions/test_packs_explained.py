@@ -152,9 +152,9 @@ def check_answer(
         wrong.append(f"asked for {subject}: {sorted(tops)} instead of {sorted(wanted)}")
 
 
-@pytest.mark.parametrize("first", [5 * seed for seed in seeds(1, 40)])
+@pytest.mark.parametrize("first", [2 * seed for seed in seeds(1, 100)])
 def test_exactly_the_derived_atoms_are_explained(first: int, tmp_path: Path) -> None:
-    results = [wrong_explanations(seed, tmp_path) for seed in range(first, first + 5)]
+    results = [wrong_explanations(seed, tmp_path) for seed in range(first, first + 2)]
     assert [fault for faults_of_pack in results for fault in faults_of_pack] == []
 
 

@@ -93,7 +93,7 @@ def check_each_node(project: Project) -> None:
         assert any(broken.relationships for broken in found), node
 
 
-@pytest.mark.parametrize("path", sample([*EXAMPLES, *CHOICES], 2), ids=lambda path: path.name)
+@pytest.mark.parametrize("path", sample([*EXAMPLES, *CHOICES], 4), ids=lambda path: path.name)
 def test_something_breaks_without_a_node(path: Path) -> None:
     check_each_node(load_project(str(path)))
 
@@ -154,7 +154,7 @@ def test_side_lines_are_cited_at_the_nodes_before_them(
 
 @pytest.mark.parametrize("kind", [random_configuration, random_control, random_side_lines])
 def test_something_breaks_without_a_node_of_random_configurations(kind: type) -> None:
-    for seed in seeds(2, 20):
+    for seed in seeds(1, 20):
         check_each_node(Project(parse_text(kind(seed), "c.mars").configuration, {}, ()))
 
 
@@ -209,3 +209,15 @@ def test_nothing_is_added_to_a_specification(
     Path("robot.mars").write_text("@specification\n@modules A, B\nA uses_data_from B\n")
     assert run_here(["verify", "--without", "/mux", "robot.mars"]) == 2
     assert "nothing is added to a file that is a specification already" in capsys.readouterr().err
+    Path("robot.mars").write_text("@specification\n@modules A\n// imported from ros2\n")
+    assert run_here(["verify", "--without", "/mux", "robot.mars"]) == 2
+    output = " ".join(capsys.readouterr().err.split())
+    assert "a configuration, as `mars-asp import ros2 --contract` prints it" in output
+
+
+def test_a_mux_of_the_user_is_a_node(monkeypatch: Patch, capsys: Captured) -> None:
+    monkeypatch.chdir(ROOT)
+    assert run_here(["verify", "--without", "/twist_mux", "examples/ros2_workspace", "-q"]) == 1
+    output = capsys.readouterr().out
+    assert output.startswith("Without /twist_mux:")
+    assert "`/velocity_smoother` has 3 controllers" in output

@@ -121,13 +121,13 @@ PARTS: dict[str, Callable[[int], str | None]] = {
 }
 #: The seeds of each part that costs something, and how many more a campaign tries.
 TRIED = {
-    "wiring": (10, 30),
-    "ports": (4, 12),
-    "inputs": (6, 40),
-    "mounts": (4, 10),
-    "carried": (6, 40),
-    "cascades": (6, 40),
-    "twins": (4, 12),
+    "wiring": (5, 30),
+    "ports": (2, 12),
+    "inputs": (3, 40),
+    "mounts": (2, 10),
+    "carried": (3, 40),
+    "cascades": (3, 40),
+    "twins": (2, 12),
 }
 
 

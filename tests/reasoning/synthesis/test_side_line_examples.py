@@ -12,6 +12,7 @@ from mars_asp.reasoning.verification import verify
 from tests.reasoning.synthesis.test_exhaustive import cost_of
 from tests.reasoning.synthesis.test_side_lines import compare_again
 from tests.reasoning.test_verification import written
+from tests.support.campaigns import sample
 from tests.support.subjects import RULEBOOK, alarms, read, synthesised
 
 ROOT = Path(__file__).parents[3]
@@ -161,9 +162,9 @@ READ_BACK = {
 }
 
 
-@pytest.mark.parametrize("text", READ_BACK.values(), ids=READ_BACK)
-def test_a_specification_is_its_own_specification(text: str) -> None:
-    assert compare_again(text) is None
+@pytest.mark.parametrize("name", sample([*READ_BACK], 3))
+def test_a_specification_is_its_own_specification(name: str) -> None:
+    assert compare_again(READ_BACK[name]) is None
 
 
 @pytest.mark.parametrize(("text", "cost"), EXAMPLES.values(), ids=EXAMPLES)

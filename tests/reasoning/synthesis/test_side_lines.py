@@ -4,8 +4,8 @@
 
 tries as many random configurations of each part: `cost` and `typed` (the exhaustive search finds
 the same least cost, and the judge accepts what is synthesised), `verify` (the judge accepts and
-refuses the same changed specifications as `verify`), `again` (a printed specification is its own
-specification).
+refuses the same changed specifications as `verify`), `again` and `names` (a printed specification
+is its own specification; of `names`, with triggers that nothing else mentions).
 """
 
 import random
@@ -19,7 +19,7 @@ from mars_asp.reasoning.verification import verify
 from tests.reasoning.synthesis.test_exhaustive import cost_of
 from tests.support.campaigns import seeds
 from tests.support.exhaustive_sides import least_cost_with_sides
-from tests.support.random_side_lines import changed, random_side_lines
+from tests.support.random_side_lines import changed, random_names, random_side_lines
 from tests.support.realises import UnsaidError
 from tests.support.subjects import RULEBOOK, alarms, read, synthesised
 from tests.support.subsumes import subsumption_violation
@@ -84,7 +84,11 @@ def compare_again(text: str) -> str | None:
         return f"verify: {violations[0].message}\n{printed}"
     if (reprinted := print_configuration(specification)) != printed:
         return f"{printed}is read back as\n{reprinted}"
-    new = alarms(project) - alarms(configured)
+    known = alarms(configured)
+    new = alarms(project) - known
+    if known & {"idle_gate", "suppression_cycle"}:
+        # A line that gates nothing that is used leaves no line in the specification.
+        new -= {"unused_module"}
     return f"new findings: {', '.join(new)}\n{printed}" if new else None
 
 
@@ -93,11 +97,12 @@ PARTS: dict[str, Callable[[int], str | None]] = {
     "typed": lambda seed: compare_cost(seed, typed=True),
     "verify": compare_verify,
     "again": lambda seed: compare_again(random_side_lines(seed, typed=seed % 2 == 1)),
+    "names": lambda seed: compare_again(random_names(seed)),
 }
 
 
 @pytest.mark.parametrize(
-    ("part", "seed"), [(part, seed) for part in PARTS for seed in seeds(6, 60)]
+    ("part", "seed"), [(part, seed) for part in PARTS for seed in seeds(3, 60)]
 )
 def test_side_lines_as_the_text_has_them(part: str, seed: int) -> None:
     assert PARTS[part](seed) is None

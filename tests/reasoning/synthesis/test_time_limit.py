@@ -14,6 +14,7 @@ from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.rules import COSTS, NODES, load_rulebook
 from mars_asp.reasoning.synthesis.synthesise import synthesise
 from mars_asp.reasoning.verification import verify
+from tests.support.campaigns import seeds
 from tests.support.fixtures import Captured, Patch
 
 RULEBOOK = load_rulebook(stages=("resolve", "verify"))
@@ -44,7 +45,7 @@ def one_source(clients: int, representations: int, converters: int, seed: int) -
     return "\n".join(["@configuration", f"@modules {modules}", *lines, *written])
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", seeds(3, 6))
 def test_without_time_an_answer_is_found_and_bounded(seed: int, monkeypatch: Patch) -> None:
     monkeypatch.setattr(grounding, "_LEAST_SECONDS", -1.0)
     project = Project(parse_text(one_source(8, 6, 9, seed), "c.mars").configuration, {}, ())
