@@ -42,10 +42,7 @@ from mars_asp.reasoning.verification import (
 _LEFT = "<left>"
 #: Predicates whose reasons show no path, but only which output a name means.
 _MEANINGS = (
-    *(
-        Signature(name, 2)
-        for name in ("sends", "aside_sort", "name_sort", "sort_of_end", "sort_of_trigger")
-    ),
+    *(Signature(name, 2) for name in ("sends", "aside_sort", "sort_of_end", "sort_of_trigger")),
     *(Signature("goes_by", 3), Signature("with_side_lines", 0)),
 )
 #: The rule is about the side line that its first argument identifies, and cites no location.
