@@ -25,7 +25,7 @@ from mars_asp.asp.lint.messages import (
     wrong_holes,
 )
 from mars_asp.asp.lint.names import declared_in, shared_names
-from mars_asp.asp.lint.predicates import documented_in_vain, undefined, unfounded, unused
+from mars_asp.asp.lint.predicates import documented_in_vain, undefined, unfounded, unknown, unused
 from mars_asp.asp.lint.recursion import wrong_recursion
 from mars_asp.asp.lint.roles import demands, described_anew, silent, unplaced, words_as_numbers
 from mars_asp.asp.lint.sorts import mixed_units, wrong_values
@@ -146,6 +146,8 @@ def _found(rulebook: Rulebook, host: Host, rules: list[Rule], begin: int) -> Ite
         known_before = {*at, *rulebook.built_in.declarations}
         yield from documented_in_vain(clauses, here, known_before)
         yield from described_anew(here, rulebook.built_in.declarations)
+    else:
+        yield from unknown(clauses, {*at, *documented})
     attributes = {s for s, each in declared.items() if each.attribution and not each.public}
     yield from undefined(clauses, at, documented, attributes)
     yield from risks([read[number] for number in range(begin, len(rules))], host.unbounded)

@@ -91,6 +91,19 @@ def documented_in_vain(
             yield found(UNDEFINED, message, each.span, None, advice)
 
 
+def unknown(clauses: Sequence[Clause], given: Set[Signature]) -> Iterator[LintFinding]:
+    """Yield the predicates that rules read and that nothing gives or derives.
+
+    The rules of packs have an error of their own for these, before any lint.
+    """
+    known = {head.signature.unsigned for clause in clauses for head, _ in clause.heads} | given
+    for clause in clauses:
+        for signature in sorted({atom.signature.unsigned for atom in clause.read} - known):
+            message = f"nothing gives or derives `{signature}`"
+            advice = "derive it, or document where its facts come from: `%*! name(X) ... *%`"
+            yield clause.finding(UNDEFINED, message, clause.node, advice)
+
+
 def undefined(
     clauses: Sequence[Clause],
     declared: Mapping[Signature, Span],
