@@ -242,8 +242,29 @@ def _check(
     raw = read_standard_input(MOST_BYTES + 1) if is_input else None
     path = shown_input(arguments) if raw is not None else one.path
     text = None if raw is None else decode(raw, path)
-    project = load(arguments, path, text, one.further)
+    project = _readable(one, [path, *one.further], text, arguments)
     judge(one, project, rules, selection, arguments, raw, edited, seen)
+
+
+def _readable(
+    one: Checked, paths: Sequence[str], text: str | None, arguments: argparse.Namespace
+) -> "Project":
+    """Read the files of the robot `one`; of several the others, if some have errors.
+
+    Raises:
+        MarsError: none of the files can be read.
+    """
+    try:
+        return load(arguments, paths[0], text, paths[1:])
+    except MarsError as error:
+        wrong = {each.span.path for each in error.diagnostics}
+        others = [path for path in paths if path not in wrong]
+        if not others or len(others) == len(paths):
+            raise
+        project = _readable(one, others, text, arguments)
+        one.append_results(map(Result, error.diagnostics))
+        one.status = 2
+        return project
 
 
 def judge(

@@ -364,6 +364,22 @@ def test_a_named_file_that_is_broken_is_an_error(
     assert (finding["code"], finding["kind"], finding["severity"]) == (code, None, "error")
 
 
+def test_a_named_file_that_is_broken_hides_no_finding_in_others(
+    here: Path, capsys: Captured
+) -> None:
+    write(here, {"m.yaml": MUX, "other.yaml": "a: 1", "r.urdf": "<robot", "s.urdf": URDF})
+    assert run_here(["check", "other.yaml", "m.yaml", "r.urdf", "s.urdf", "--format", "json"]) == 2
+    findings = json.loads(capsys.readouterr().out)["findings"]
+    assert {(each["path"], each["kind"]) for each in findings} == {
+        ("other.yaml", None),
+        ("r.urdf", None),
+        ("m.yaml", "ambiguous_priority"),
+    }
+    assert run_here(["check", "other.yaml", "r.urdf", "--format", "json"]) == 2
+    findings = json.loads(capsys.readouterr().out)["findings"]
+    assert [each["path"] for each in findings] == ["other.yaml", "r.urdf"]
+
+
 def test_a_broken_part_of_a_workspace_is_a_warning(here: Path, capsys: Captured) -> None:
     write(here, package("src/a"))
     broken = {"b.launch.py": "\0", "p.launch.py": "def generate_launch_description(:\n"}
