@@ -36,6 +36,9 @@ FAMILIES: Mapping[str, Family] = {
     "gates_apart": _GATES_APART,
     # One output suppresses all lines.
     "one_trigger": Family(("T{n} uses_data_from S{n}", "S{n} is_suppressed_by A 300")),
+    # One output inhibits all lines, or resets all modules.
+    "one_inhibitor": Family(("T{n} uses_data_from S{n}", "S{n} is_inhibited_by A 300")),
+    "one_reset": Family(("T{n} uses_data_from S{n}", "S{n} is_reset_by A")),
     # All triggers close one line.
     "one_line": Family(("S is_suppressed_by A{n} 300",), ("T uses_data_from S",)),
     # What passes a Gate triggers the next one.
@@ -53,6 +56,8 @@ FAMILIES: Mapping[str, Family] = {
     "locks_apart": Family((*_TWO_CONTROLLERS, "W{n} is_locked_by L{n} 2 hold 500")),
     # One output locks all modules, of which each has two controllers.
     "one_lock": Family((*_TWO_CONTROLLERS, "W{n} is_locked_by L 2 hold 500")),
+    # One output limits all modules.
+    "one_limit": Family((*_TWO_CONTROLLERS, "W{n} is_limited_by L hold 500")),
     # One module with so many controllers has a lock between each two of them.
     "locks_of_one": Family(("W is_controlled_by A{n} {n}", "W is_locked_by L{n} {n}")),
     # Each module takes weighted means, and has a limit.
