@@ -105,6 +105,7 @@ NEEDS = [
             "twice_converted",
             "made_apart",
             "gates",
+            "needed_for_bounds",
         )
     ),
 ]
