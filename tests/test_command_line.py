@@ -131,6 +131,16 @@ def test_a_file_of_another_language_does_not_fill_the_screen() -> None:
     assert problems[-1]["message"] == "500 errors above: the rest of the file was not read"
 
 
+def test_a_text_is_not_a_robot(tmp_path: Path) -> None:
+    text = tmp_path / "notes.txt"
+    text.write_text("hello world\n")
+    done = mars("check", str(text))
+    assert done.returncode == 2
+    assert "is not a robot" in done.stdout and "dumps of ROS graphs" in done.stdout
+    text.write_text("A uses_data_from\n")
+    assert "expected a module name" in mars("check", str(text)).stdout
+
+
 def test_json_keeps_the_inputs_of_execution() -> None:
     found = json.loads(
         mars(

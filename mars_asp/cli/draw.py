@@ -64,7 +64,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--only",
         metavar="KIND,...",
         type=relationship_kinds,
-        help=f"draw relationships of these kinds alone: {', '.join(_KINDS)}",
+        help=f"draw relationships of these kinds alone: {', '.join(_KINDS)}; "
+        "suppress and inhibit lines are data or control, as the line that they close",
     )
     add_flags(parser, "--whole", "--classes")
     parser.add_argument("--layout", choices=("own", "dot"), default="own")

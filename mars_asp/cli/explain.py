@@ -18,6 +18,7 @@ from mars_asp.cli.arguments import misuse
 from mars_asp.cli.deliver import write_result
 from mars_asp.cli.diagnostic_text import colours, paint, report
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.input_codes import input_codes
 from mars_asp.cli.inputs import (
     JUDGING,
     STANDARD_INPUT,
@@ -132,6 +133,11 @@ def run(arguments: argparse.Namespace) -> int:
     subject = subject and (read_name(subject) or subject)
     if subject not in {name.text for name in project.configuration.modules}:
         subject = subject and _place(subject, arguments)
+        if subject in input_codes() and arguments.output is None:
+            from mars_asp.cli.rules import rule_or_kind_text
+
+            print(rule_or_kind_text(subject, arguments))
+            return 0
     if arguments.why_not is not None:
         return _why_not(project, arguments)
     if arguments.alternatives is not None or arguments.repair:
@@ -363,11 +369,13 @@ def _reported(
 
 
 def _resting(answer: Explanation, lines: Sequence[Span]) -> Iterator[Topic]:
-    """Yield the topics that cite one of the lines."""
-    wanted = {(span.path, span.line) for span in lines}
+    """Yield the topics that cite one of the lines, and the findings at one."""
+    wanted = {span[:2] for span in lines}
+    found = answer.analysis.consequences
+    here = {each.atom for each in found if any(at[:2] in wanted for at in each.spans[:1])}
     for topic in answer.topics:
         cites = () if topic.account is None else topic.account.cites
-        if any((each.span.path, each.span.line) in wanted for each in cites):
+        if topic.atom in here or any(each.span[:2] in wanted for each in cites):
             yield topic
 
 

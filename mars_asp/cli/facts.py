@@ -6,6 +6,9 @@ from mars_asp.cli.inputs import add_file, read_project
 from mars_asp.reasoning.facts.compile import facts_text
 from mars_asp.reasoning.project import project_facts
 
+#: Facts are a program for clingo, whatever reads it.
+RESULT_FORMATS = ("text",)
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""

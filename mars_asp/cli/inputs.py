@@ -217,8 +217,9 @@ def _parse(
     try:
         return parse_text(first.text, path), first.text, None
     except MarsError as error:
-        # Each line of another text is an error.
-        is_other = len(error.diagnostics) > 1 and _STATEMENT.search(first.text) is None
+        # A text of one line may be a statement that is misspelt, unless its file is plain text.
+        is_long = len(error.diagnostics) > 1 or Path(path).suffix == ".txt"
+        is_other = is_long and _STATEMENT.search(first.text) is None
         is_meant = arguments.from_format == "mars" or Path(path).suffix == ".mars"
         if is_meant or not is_other:
             raise

@@ -43,6 +43,8 @@ from mars_asp.reasoning.packs import MANIFEST, installed_packs, with_companions
 from mars_asp.reasoning.rules import STAGES, is_rule_base
 from mars_asp.spelling import nearest
 
+#: The minimal similarity of a name; of short names, less would mean another thing.
+_ALIKE = 0.8
 _REPEATED = re.compile(r"^([^/]+/)\1")
 
 
@@ -295,10 +297,14 @@ def _find_named(
         return known[name]
     if name in input_codes():
         return input_codes()[name]
-    names = (*rulebook.by_id, *files, *(each.name for each in declared), *known, *input_codes())
+    # Predicates that packs may not read are internal, and as a suggestion would only mislead.
+    opened = (
+        each.signature.name for stage in PURPOSES for each in open_predicates(rulebook, stage)
+    )
+    names = (*rulebook.by_id, *files, *opened, *known, *input_codes())
     # An id may be written without the stage, or be misspelt.
     ends = (each for each in names if each.endswith(f"/{name}"))
-    near = next(ends, None) or nearest(name, names)
+    near = next(ends, None) or nearest(name, names, _ALIKE)
     hint = f"did you mean `{near}`?" if near else "`mars-asp rules list` names them all"
     raise refusal("rule", f"there is no rule, predicate or kind `{name}`", "rules", hint)
 

@@ -23,6 +23,8 @@ BROKEN = frozenset(
 )
 #: Files that are findings of launch trees as well.
 ABSENT = "files that their packages lack"
+#: Actions of launch files that functions or classes of other files make.
+IMPORTED = "actions made by imported functions"
 _KINDS = {**dict.fromkeys(BROKEN, "broken_file"), ABSENT: "missing_file"}
 _MOST_NAMED = 5
 _MOST_PLACES = 100

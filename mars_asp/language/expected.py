@@ -1,7 +1,7 @@
 """Diagnostics of statements that do not parse, with the expected words."""
 
 import re
-from collections.abc import Sequence
+from decimal import Decimal
 
 from lark import UnexpectedInput
 
@@ -34,11 +34,18 @@ _WORDS = (
     "latest",
     "weighted",
 )
-_SIDE_LINES = frozenset(
-    ("SIGN", "_IS_RESET_BY", "_IS_LOCKED_BY", "_IS_LIMITED_BY", "_IS_ARBITRATED_BY")
-)
-_COMMON, _SIDE_VERBS = VERBS[:3], VERBS[3:]
-_SIDE_VERB = re.compile(rf"\b(?:{'|'.join(_SIDE_VERBS)})\b")
+_GATE = "write the milliseconds: `{} 300`"
+#: Advice on side lines; `{}` is such a line up to its source.
+_FORMS = {
+    **dict.fromkeys(GATING.values(), _GATE),
+    "is_reset_by": "write one line for each source: `{}`",
+    "is_locked_by": "write one line for each source, with a priority and a time in ms if needed: "
+    "`{} 200 hold 500`",
+    "is_limited_by": "write one line for each source, with a time in ms if needed: `{} hold 500`",
+    "is_arbitrated_by": "write the strategy, and for a mean its period in ms: `{} flat period 100`",
+}
+_SIDE_LINE = re.compile(rf'\s*(.+?\s({"|".join(_FORMS)})(?!\w))\s*("[^"]*"[^\s,]*|[^\s,]*)')
+_RELATIONSHIPS = frozenset(f"_{verb.upper()}" for verb in VERBS) | {"SIGN"}
 #: The texts of terminals in messages; that of a keyword has the keyword's name.
 _SHOWN = {
     **{f"_{word.lstrip('@').upper()}": f"`{word}`" for word in (*KEYWORDS, *_WORDS)},
@@ -63,7 +70,8 @@ _SHOWN = {
     "VALUE": "a value",
 }
 _WORD = re.compile(r"@?[^\s,()]+|\S")
-_UNIT = re.compile(r"(\d*\.?\d*)(ms|s|Hz)", re.IGNORECASE)
+_NUMBER = r"[0-9]+\.?[0-9]*|\.[0-9]+"
+_UNIT = re.compile(rf"({_NUMBER})?(ms|s|Hz)", re.IGNORECASE)
 _UNSEEN_HELP = "a name contains no control characters and no marks of direction"
 _UNSEEN_NAME = re.compile(rf'\.?"[^"]*[{UNSEEN}]')
 
@@ -77,16 +85,15 @@ def describe(layout: Layout, base: int, piece: str, error: UnexpectedInput) -> D
     terminals = getattr(error, "accepts", None) or getattr(error, "expected", None)
     terminals = terminals or getattr(error, "allowed", None) or ()
     names = set(map(str, terminals))
-    verbs = VERBS if _SIDE_VERB.search(layout.grammatical) else _COMMON
     hint = (
         _UNSEEN_HELP
         if _UNSEEN_NAME.match(piece, begin)
         else _unit_hint(piece[:begin].split(), match[0] if match else "")
-        or _hint(piece, match[0] if match else "", verbs)
+        or _hint(piece, match[0] if match else "", "_IS_CONTROLLED_BY" not in names)
     )
-    if "_USES_DATA_FROM" in names and verbs is _COMMON and not _SIDE_VERB.search(hint or ""):
-        # Where any relationship may follow, the common ones suffice.
-        names -= _SIDE_LINES
+    if "_IS_CONTROLLED_BY" in names:
+        # Where any relationship may follow, the help lists them.
+        names = names - _RELATIONSHIPS | {"a relationship"}
     if "SIGN" in names:
         names = names - {"SIGN"} | {f"`{verb}`" for verb in GATING.values()}
     wanted = sorted({_SHOWN.get(name, name) for name in names})
@@ -124,28 +131,32 @@ def _unit_hint(before: list[str], found: str) -> str | None:
         separate = number and unit != "hz"
         return f"leave a blank before the unit: `{number} {unit}`" if separate else None
     timed = (before if number else before[:-1])[-1] in ("hold", "period")
-    if unit == "ms" and (timed or before[1] in ("is_suppressed_by", "is_inhibited_by")):
-        return f"write `{number or before[-1]}`: such times are in ms and have no unit"
+    full = number or before[-1]
+    if not re.fullmatch(_NUMBER, full):
+        return None
+    if unit != "hz" and (timed or before[1] in GATING.values()):
+        text = full if unit == "ms" else f"{Decimal(full) * 1000:.0f}"
+        return f"write `{text}`: such times are in ms and have no unit"
     if unit == "hz" and before[1] == "uses_data_from":
-        return f"write `{number or before[-1]}`: rates are in Hz and have no unit"
+        return f"write `{full}`: rates are in Hz and have no unit"
     return None
 
 
-def _hint(piece: str, found: str, verbs: Sequence[str]) -> str | None:
-    """Return advice on a syntax error at the word `found`, or None if there is no likely cause.
-
-    `verbs` are the words between the ends of relationships that are named without one.
-    """
+def _hint(piece: str, found: str, is_after_verb: bool) -> str | None:
+    """Return advice on a syntax error at the word `found`, or None if there is no likely cause."""
     if found in KEYWORDS and "," in piece[: piece.rfind(found)]:
         return "the `,` before it continues the list; drop it where the list ends"
     words = [found, *_WORD.findall(piece)]
     for word in words:
-        vocabulary = (*KEYWORDS, *_WORDS) if word == found else KEYWORDS
+        vocabulary = (*KEYWORDS, *_WORDS) if word == found and is_after_verb else KEYWORDS
         if word in vocabulary or len(word) < 3:
             continue
         if advice := suggestion(word.lower(), vocabulary, None, 0.75):
             return advice
     if not piece.lstrip().startswith("@") and not any(word in words for word in KEYWORDS):
-        listed = [f"`{verb}`" for verb in verbs]
+        listed = [f"`{verb}`" for verb in VERBS]
         return f"a line relates modules by {', '.join(listed[:-1])} or {listed[-1]}"
+    if line := _SIDE_LINE.match(piece):
+        source = "" if line[2] == "is_arbitrated_by" else f" {line[3] or 'MODULE'}"
+        return _FORMS[line[2]].format(line[1] + source)
     return None

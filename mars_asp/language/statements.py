@@ -336,8 +336,10 @@ class Builder:
     def _add_strategy(self, children: tuple[Word, Word, Word | None]) -> None:
         controlled, strategy, period = children
         if period is not None and strategy not in ("flat", "weighted"):
-            help_text = "`flat` and `weighted` take means over a period; leave it out"
-            self._note_word(period, f"a period after `{strategy}`", help_text)
+            help_text = "only `flat` and `weighted` take means over a period; leave it out"
+            at = self.layout.grammatical.index("period", self._base + strategy.end)
+            message = f"`{strategy}` takes no period"
+            self._note_problem(at, self._base + period.end, message, help_text)
         self._relationships.append(
             Strategy(
                 str(controlled),

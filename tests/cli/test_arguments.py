@@ -43,6 +43,13 @@ def test_each_argument_has_a_sentence_of_help(name: str) -> None:
     assert [action for action in parser.positionals() + parser.options() if not action.help] == []
 
 
+def test_the_help_of_draw_names_the_kind_of_side_lines(capsys: Captured) -> None:
+    run_command(["draw", "--help"])
+    assert "suppress and inhibit lines are data or control" in " ".join(
+        capsys.readouterr().out.split()
+    )
+
+
 @pytest.mark.parametrize("name", VERBS)
 def test_the_help_of_a_verb_shows_its_example(name: str, capsys: Captured) -> None:
     assert run_command([name, "--help"]) == 0
@@ -88,6 +95,8 @@ def test_the_help_of_a_verb_shows_its_example(name: str, capsys: Captured) -> No
         (["test", "-k", "guard"], "arguments: -k: name the files of the cases to run; see"),
         (["facts", "a.mars", "-o", "a.lp"], "arguments: -o a.lp: redirect standard output, as in"),
         (["explain", "a.mars", "--format", "html"], "`-o explained.html`; see"),
+        (["explain", "a.mars", "--only", "node"], "did you mean `--only nodes`?"),
+        (["facts", "a.mars", "--format", "json"], "invalid choice: 'json' (choose from 'text'): f"),
         (["diff", "a.mars", "b.mars", "--exit-code"], "the status is 1 where an error appeared;"),
         (["rules", "test", "pack"], "did you mean `test`?"),
         (

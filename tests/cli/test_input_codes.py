@@ -27,6 +27,20 @@ def test_each_code_has_a_meaning(capsys: Captured) -> None:
     assert "did you mean `catalogue`?" in capsys.readouterr().err
 
 
+def test_a_finding_is_explained_by_its_place(
+    capsys: Captured, tmp_path: Path, monkeypatch: Patch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("la.mars").write_text("@configuration\n@modules A, B, C\nB is_controlled_by A\n")
+    assert run_here(["explain", "la.mars:2:16"]) == 0
+    assert capsys.readouterr().out.startswith("\nunused_module(C), warning: ")
+
+
+def test_an_internal_predicate_is_not_suggested(capsys: Captured) -> None:
+    assert run_here(["rules", "show", "unbound"]) == 2
+    assert "did you mean" not in capsys.readouterr().err
+
+
 def test_ids_of_older_versions_are_accepted(capsys: Captured) -> None:
     assert run_here(["rules", "show", "run/run/collision"]) == 0
     assert capsys.readouterr().out.startswith("## run/collision\n")
@@ -54,6 +68,9 @@ def test_the_rule_base_is_linted_as_itself(
             "examples/ros2_workspace loose_end(/cmd_vel)",
             "No loose_end(/cmd_vel): `/dock` publishes",
         ),
+        ("examples/level0/config.mars config.mars:1", "no node rests on `config.mars:1`"),
+        ("examples/level0/config.mars MARS207", "## MARS207\n\nBuilt-in types are used"),
+        ("examples/ros2_workspace not_read", "## not_read\n\nA part of a foreign file was not"),
         ("examples/level0/config.mars checks/unused", "no consequence and no node rests on"),
     ],
 )

@@ -144,3 +144,24 @@ def test_values_are_those_of_a_run_or_unknown(loop: str, name: str, nodes: list[
         f"def generate_launch_description():\n    return LaunchDescription([eye({name}) {loop}])\n"
     )
     assert [name.text for name in found.configuration.modules] == [f"/{node}" for node in nodes]
+
+
+IMPORTING = """
+from acme_launch import described, include as included, wrap
+from launch.actions import LogInfo, RegisterEventHandler, TimerAction
+from launch.event_handlers import OnProcessExit
+
+def generate_launch_description():
+    found = LaunchDescription([eye("a"), LogInfo(msg=described()), wrap([eye("b")])])
+    found.add_action(included("mux", described()))
+    found.add_action(RegisterEventHandler(OnProcessExit(on_exit=wrap([]))))
+    return found
+"""
+
+
+def test_actions_of_imported_functions_are_noted() -> None:
+    found = launched(IMPORTING)
+    [note] = [each for each in found.warnings if "imported functions" in each.message]
+    sentence = "actions made by imported functions not read: 3 (`wrap`, `include`)"
+    assert (note.kind, note.message) == ("not_read", sentence)
+    assert [each.text for each in found.configuration.modules] == ["/a", "/b"]

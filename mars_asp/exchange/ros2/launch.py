@@ -36,7 +36,7 @@ from mars_asp.exchange.ros2.launch_python import NEWER, read_python
 from mars_asp.exchange.ros2.names import Renaming, joined
 from mars_asp.exchange.ros2.parameters import GivenParameter
 from mars_asp.exchange.ros2.workspace import Workspace
-from mars_asp.exchange.unread import ABSENT, CIRCLES, Unread
+from mars_asp.exchange.unread import ABSENT, CIRCLES, IMPORTED, Unread
 from mars_asp.exchange.yaml_document import Items, Scalar
 from mars_asp.model.graph import OPEN_CONDITION, AbsentFile, StartCondition
 
@@ -76,6 +76,7 @@ _MAY_READ_ARGUMENTS = frozenset(
         "included launch files with errors",
         IN_NEWER,
         "functions that only a run calls",
+        IMPORTED,
         "branches of conditions",
         f"includes beyond the first {_MOST_INCLUDES} of a launch file",
     }

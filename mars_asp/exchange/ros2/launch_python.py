@@ -54,7 +54,7 @@ from mars_asp.exchange.ros2.python_values import (
     items_of,
     text_from,
 )
-from mars_asp.exchange.unread import Unread
+from mars_asp.exchange.unread import IMPORTED, Unread
 from mars_asp.model.graph import OPEN_BRANCH, OPEN_CONDITION
 
 _NODES = {
@@ -64,6 +64,10 @@ _NODES = {
     "ComposableLifecycleNode": True,
 }
 _CONTAINERS = frozenset({"ComposableNodeContainer", "LoadComposableNodes"})
+#: Packages whose classes are read as actions, or start nothing.
+_LAUNCH_PACKAGES = frozenset({"launch", "launch_ros", "launch_testing", "launch_testing_ros"})
+#: Classes of actions that hold no other action.
+_SINGLE = frozenset({"DeclareLaunchArgument", "LogInfo", "SetEnvironmentVariable"})
 #: Functions and errors with which code looks for names itself.
 _LOOKING = frozenset({"globals", "locals", "vars", "exec", "eval", "NameError"})
 #: The code of an error that a newer Python may not have.
@@ -110,9 +114,12 @@ class _LaunchReader(Evaluator):
         """Return the actions of the description that the launch file generates."""
         self.handling: set[ast.AST] = set()
         self.nodes = tuple(ast.walk(tree))
+        self.imported: set[str] = set()
         for node in self.nodes:
             if isinstance(node, ast.ImportFrom):
                 self.called.update((n.asname, n.name) for n in node.names if n.asname)
+                if (node.module or "").partition(".")[0] not in _LAUNCH_PACKAGES:
+                    self.imported.update(n.name for n in node.names)
         readings = tuple(self.readings(tree))
         found, *others = dict.fromkeys(actions for actions, _ in readings)
         if others:
@@ -205,7 +212,7 @@ class _LaunchReader(Evaluator):
 
     def action(self, call: PythonCall, tests: Tests) -> Iterator[Action]:
         """Yield the actions of a call of a launch class that starts no node itself."""
-        if call.name == "DeclareLaunchArgument":
+        if call.name in _SINGLE:
             return
         tests = (*tests, *tests_of(call.named.get("condition"), call.span))
         match call.name:
@@ -282,10 +289,15 @@ class _LaunchReader(Evaluator):
 
     def handled(self, call: PythonCall, tests: Tests) -> Iterator[Action]:
         """Yield the actions of timers and event handlers, which may start later."""
+        is_imported = call.name in self.imported
+        if is_imported:
+            yield Unread(IMPORTED, call.name, call.span)
         held = [value for name, value in call.named.items() if name != "target_action"]
         for each in (*call.arguments, *held):
             # A handler may be a function that takes the event and the context, and that
             # handles the end of the process that it starts again.
+            if is_imported and isinstance(each, PythonCall) and each.name in self.imported:
+                continue  # a value that one imported function gives another
             if not isinstance(each, Local):
                 yield from self.interpret(each, tests)
             elif each.of not in self.handling:

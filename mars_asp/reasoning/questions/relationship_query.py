@@ -131,6 +131,7 @@ def _forms(line: Relationship) -> Iterator[RelationshipQuery]:
 
 def _statement_spans(project: Project) -> Iterator[Span]:
     configuration = project.configuration
-    yield from (each.span for each in configuration.relationships)
+    yield configuration.span
+    yield from (each.span for each in (*configuration.modules, *configuration.relationships))
     for _, _, annotation in numbered_annotations(configuration, project.described):
         yield annotation.span
