@@ -147,6 +147,7 @@ def test_values_are_those_of_a_run_or_unknown(loop: str, name: str, nodes: list[
 
 
 IMPORTING = """
+from random import uniform
 from acme_launch import described, include as included, wrap
 from launch.actions import LogInfo, RegisterEventHandler, TimerAction
 from launch.event_handlers import OnProcessExit
@@ -154,6 +155,7 @@ from launch.event_handlers import OnProcessExit
 def generate_launch_description():
     found = LaunchDescription([eye("a"), LogInfo(msg=described()), wrap([eye("b")])])
     found.add_action(included("mux", described()))
+    found.add_action(TimerAction(period=uniform(1, 2), actions=[]))
     found.add_action(RegisterEventHandler(OnProcessExit(on_exit=wrap([]))))
     return found
 """

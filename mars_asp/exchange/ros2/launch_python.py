@@ -2,6 +2,7 @@
 
 import ast
 import builtins
+import sys
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from itertools import chain
@@ -65,7 +66,9 @@ _NODES = {
 }
 _CONTAINERS = frozenset({"ComposableNodeContainer", "LoadComposableNodes"})
 #: Packages whose classes are read as actions, or start nothing.
-_LAUNCH_PACKAGES = frozenset({"launch", "launch_ros", "launch_testing", "launch_testing_ros"})
+_LAUNCH_PACKAGES = sys.stdlib_module_names | {
+    *("launch", "launch_ros", "launch_testing", "launch_testing_ros", "tracetools_launch")
+}
 #: Classes of actions that hold no other action.
 _SINGLE = frozenset({"DeclareLaunchArgument", "LogInfo", "SetEnvironmentVariable"})
 #: Functions and errors with which code looks for names itself.
