@@ -106,7 +106,8 @@ def print_winners(trial: "Trial") -> None:
     for name, arbiter in trial.executor.arbiters.items():
         print(f"\n{visible(name)}")
         if isinstance(arbiter, FlatArbitration):
-            print(f"  flat: sends the mean of each {arbiter.period / 1e6:g} ms; no controller wins")
+            kind = "weighted: sends the weighted" if arbiter.weighted else "flat: sends the"
+            print(f"  {kind} mean of each {arbiter.period / 1e6:g} ms; no controller wins")
             continue
         rows = [(held.since / 1e9, held.holder or _NONE, held.why) for held in arbiter.holdings]
         longest = max((len(holder) for _, holder, _ in rows), default=0)

@@ -2,7 +2,10 @@
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Mapping
-from itertools import pairwise
+from itertools import groupby, pairwise
+from math import inf
+from operator import itemgetter
+from typing import Any
 
 from mars_asp.asp.solve.atoms import Atom, Fact, fact_at
 from mars_asp.execution.executor.arbitration import FlatArbitration, HierarchicalArbitration
@@ -12,6 +15,8 @@ from mars_asp.execution.executor.link import Link
 from mars_asp.execution.executor.schedule import MILLISECOND
 from mars_asp.execution.observed import MOST, milliseconds, seen
 from mars_asp.execution.trial import Trial
+
+_Arbiter = FlatArbitration | HierarchicalArbitration
 
 
 def gate_facts(trial: Trial) -> Iterator[Fact]:
@@ -29,6 +34,12 @@ def gate_facts(trial: Trial) -> Iterator[Fact]:
                 yield seen("let_through", number, trigger.passed)
             yield from _extremes(gate, trigger, number)
     for arbiter in trial.executor.arbiters.values():
+        for limit in arbiter.bounds.limits:
+            link, number = limit.link, numbers[limit.link]
+            yield fact_at(link.span, "limits_line", number, arbiter.name, plan.origin_of(link))
+        for _, lock, _ in arbiter.bounds.refused[:1]:
+            for name in _effectors(trial, arbiter):
+                yield seen("held_back", numbers[lock.link], name)
         for lock in arbiter.bounds.locks:
             link, number = lock.link, numbers[lock.link]
             yield fact_at(link.span, "locks_line", number, arbiter.name, plan.origin_of(link))
@@ -101,8 +112,10 @@ def reasons(trial: Trial, *, losses: bool) -> Iterator[Fact]:
                     if at >= until:
                         yield seen("got", number, client, milliseconds(made), milliseconds(at))
                     until = at + trigger.link.time
-    if not losses:
-        for arbiter in trial.executor.arbiters.values():
+    for arbiter in trial.executor.arbiters.values():
+        if losses:
+            yield from _refusals(trial, arbiter, numbers)
+        else:
             yield from _stops(trial, arbiter, numbers)
 
 
@@ -125,25 +138,77 @@ def _losses(gate: Gate, trigger: Trigger, number: int, client: str) -> Iterator[
             lost.setdefault(first, []).append((times[own], at))
     for dropped in lost.values():
         (since, first_at), (until, last_at) = dropped[0], dropped[-1]
-        ends = (milliseconds(time) for time in (first_at, last_at))
+        ends = milliseconds(first_at), milliseconds(last_at)
         spoke = milliseconds(since), milliseconds(until)
         yield seen("kept_from", number, client, *spoke, len(dropped), *ends)
+        following = trigger.heard[bisect_right(times, until) :]
+        if following and not following[0][1] and following[0][0] < until + trigger.link.time:
+            yield seen("ended", number, client, ends[0], milliseconds(following[0][0]))
 
 
-def _stops(
-    trial: Trial,
-    arbiter: FlatArbitration | HierarchicalArbitration,
-    numbers: Mapping[Link, int],
-) -> Iterator[Fact]:
+def _refusals(trial: Trial, arbiter: _Arbiter, numbers: Mapping[Link, int]) -> Iterator[Fact]:
+    """Yield the commands that a lock held back, for each controller and period of locking."""
+    plan, (effector, _) = trial.executor.plan, _commanded(trial, arbiter)
+    opened = {
+        lock: [time for time, closes in zip(lock.times, lock.values, strict=True) if not closes]
+        for lock in arbiter.bounds.locks
+    }
+    periods: dict[tuple[History[bool], Link, int], list[int]] = {}
+    for at, lock, link in arbiter.bounds.refused:
+        periods.setdefault((lock, link, bisect_right(opened[lock], at)), []).append(at)
+    for (lock, link, _), times in periods.items():
+        ends = milliseconds(times[0]), milliseconds(times[-1])
+        number, controller = numbers[lock.link], plan.origin_of(link)
+        yield seen("held_from", number, effector, controller, len(times), *ends)
+        yield from _silence(lock, number, effector, times[0])
+
+
+def _stops(trial: Trial, arbiter: _Arbiter, numbers: Mapping[Link, int]) -> Iterator[Fact]:
+    """Yield the stops by locks and limits, and the commands that a limit lowered."""
+    bounds, (effector, started) = arbiter.bounds, _commanded(trial, arbiter)
+    stops: list[tuple[int, History[Any]]] = [*bounds.stops]
+    if bounds.refused and bounds.refused[0][0] < min([started, *(at for at, _ in stops)]):
+        stops.append(bounds.refused[0][:2])
+    for (limit, is_stop), scalings in groupby(bounds.scalings.items(), itemgetter(1)):
+        times = [at for at, _ in scalings]
+        if limit is not None and is_stop:
+            stops.append((times[0], limit))
+        elif limit is not None:
+            ends = milliseconds(times[0]), milliseconds(times[-1])
+            yield seen("lowered", numbers[limit.link], effector, len(times), *ends)
+    for at, history in stops:
+        number = numbers[history.link]
+        yield seen("stopped_by", number, effector, milliseconds(at))
+        if started < at:
+            yield seen("had_started", effector, milliseconds(at))
+        yield from _silence(history, number, effector, at)
+
+
+def _effectors(trial: Trial, arbiter: _Arbiter) -> list[str]:
     plan = trial.executor.plan
     links = plan.control_out[arbiter.name]
-    stopped = " and ".join(dict.fromkeys(n for link in links for n in plan.targets_of(link)))
-    for at, lock in arbiter.bounds.stops:
-        number, instant = numbers[lock.link], milliseconds(at)
-        yield seen("stopped_by", number, stopped, instant)
-        if not lock.at(at):
-            silent = at - lock.times[bisect_right(lock.times, at) - 1]
-            yield seen("silence", number, stopped, instant, milliseconds(silent))
+    return list(dict.fromkeys(name for link in links for name in plan.targets_of(link)))
+
+
+def _commanded(trial: Trial, arbiter: _Arbiter) -> tuple[str, float]:
+    """Return the effectors of an arbiter, and the time (ns) of their first motion or infinity."""
+    names, effectors = _effectors(trial, arbiter), trial.executor.effectors
+    applied = (each for name in names if name in effectors for each in effectors[name].applied)
+    starts = (at for at, _, rates in applied if any(rates.values()))
+    return " and ".join(names), min(starts, default=inf)
+
+
+def _silence(history: History[Any], number: int, effector: str, at: int) -> Iterator[Fact]:
+    """Yield for how long a lock or limit had been silent, unless it is a lock that was true."""
+    is_true = history.link.kind == "lock" and history.at(at)
+    if is_true or not history.silent(at):
+        return
+    heard, instant = bisect_right(history.times, at), milliseconds(at)
+    if not heard:
+        yield seen("had_not_spoken", number, effector, instant)
+    else:
+        silent = milliseconds(at - history.times[heard - 1])
+        yield seen("silence", number, effector, instant, silent)
 
 
 def _gates(trial: Trial) -> Iterator[Gate]:

@@ -197,7 +197,7 @@ def reasons_of(trial: Trial, *, losses: bool) -> tuple[tuple[Consequence, Span],
     timed: list[tuple[int, int, Consequence]] = []
     for consequence in found:
         if consequence.kind in REASONS:
-            link, at = consequence.atom.arguments[3].arguments
+            link, at, *_ = consequence.atom.arguments[3].arguments
             timed.append((at.number, link.number, consequence))
     timed.sort(key=lambda row: row[:2])
     return tuple((each, trial.executor.links[link].span) for _, link, each in timed)

@@ -70,6 +70,8 @@ class FlatArbitration:
             return
         locked, now = self.bounds.is_locked, self.schedule.now
         taken = [(link, message) for at, link, message in self.arrived if not locked(at)]
+        for at, link, _ in self.arrived:
+            self.bounds.refuse(link, at)
         # Cleared in place, because the receivers append to it.
         self.arrived.clear()
         if self.weighted:
@@ -86,7 +88,7 @@ class FlatArbitration:
         self._send(self.mean)
 
     def _send(self, message: Message) -> None:
-        self.sent = self.bounds.scaled(message.value)
+        self.sent = self.bounds.scaled(message.value, sent=True)
         for link in self.outputs:
             link.send(message._replace(value=self.sent))
 
@@ -132,6 +134,11 @@ class _Input:
     until: int = -1
     arrival: int = -1
     in_force: list[tuple[int, int]] = field(default_factory=list)
+
+    @property
+    def name(self) -> str:
+        """The module whose command came last, through any nodes."""
+        return self.message.origin if self.message else self.link.source
 
 
 class HierarchicalArbitration:
@@ -198,9 +205,12 @@ class HierarchicalArbitration:
             self.forward(source)
             return
         self.suppressed[message.origin] += 1
+        self.bounds.refuse(source.link, now, source.priority)
+        if best is None and self.winner is None:
+            self._hold(NOBODY, self._rest_text)
         if best is not None and source is self.winner and self._may_pass(source):
             # The arbiter that feeds this input fell back to an older message.
-            self.forward(best, f"{source.link.source} fell back to an older message; ")
+            self.forward(best, f"{source.name} fell back to an older message; ")
 
     def best(self) -> _Input | None:
         """Return the input in force with the highest priority (the latest of equals), or None.
@@ -224,7 +234,7 @@ class HierarchicalArbitration:
             return
         self.winner = source
         self._hold(message.origin, lambda: before + self._rank_text(source), source.link.source)
-        self.sent, self.until = self.bounds.scaled(message.value), source.until
+        self.sent, self.until = self.bounds.scaled(message.value, sent=True), source.until
         sent = message._replace(value=self.sent, until=source.until, arrival=source.arrival)
         for link in self.outputs:
             link.send(sent)
@@ -238,14 +248,14 @@ class HierarchicalArbitration:
         if following is not None:
             of = "command" if early else "hold"
             end = "was withdrawn" if early else "ran out"
-            self.forward(following, f"the {of} of {source.link.source} {end}; ")
+            self.forward(following, f"the {of} of {source.name} {end}; ")
             return
-        self._rest("nothing is in force", early=early)
+        self._rest(early=early)
 
-    def _rest(self, why: str, *, early: bool) -> None:
+    def _rest(self, *, early: bool) -> None:
         """Send one stop; if it is `early`, withdraw the command from later arbiters as well."""
         self.winner = None
-        self._hold(NOBODY, lambda: why)
+        self._hold(NOBODY, self._rest_text)
         if self.stops:
             now = self.schedule.now
             for link in self.outputs:
@@ -267,8 +277,8 @@ class HierarchicalArbitration:
         best, winner, now = self.best(), self.winner, self.schedule.now
         if best is None:
             if winner is not None and winner.until > now:
-                lock = self.bounds.stop(winner.priority)
-                self._rest(self._lock_text(lock), early=True)
+                self.bounds.stop(winner.priority)
+                self._rest(early=True)
         elif best is not winner:
             before = ""
             if winner is not None and winner.until > now and not self._may_pass(winner):
@@ -277,6 +287,14 @@ class HierarchicalArbitration:
         elif best.message is not None and self.bounds.scaled(best.message.value) != self.sent:
             self.forward(best)
 
+    def _rest_text(self) -> str:
+        """Return the reason why no command is forwarded: a lock, or that none is in force."""
+        now = self.schedule.now
+        highest = max((each.priority for each in self.inputs if each.until > now), default=None)
+        if highest is None:
+            return "nothing is in force"
+        return self._lock_text(next(self.bounds.locking(now, highest)))
+
     def _lock_text(self, lock: History[bool]) -> str:
         """Return the reason for which a lock is closed."""
         now = self.schedule.now
@@ -284,15 +302,17 @@ class HierarchicalArbitration:
         below = "" if level is None or self.equal else f", which locks below {level},"
         if lock.at(now):
             return f"{name}{below} is true"
-        silence = f"had been silent for {(hold or 0) / SECOND:g} s" if lock.times else "never spoke"
+        silence = (
+            f"had been silent for {(hold or 0) / SECOND:g} s" if lock.times else "had not spoken"
+        )
         return f"{name}{below} {silence}"
 
     def _rank_text(self, winner: _Input) -> str:
         """Return the reason why an input wins over the others in force."""
         now, own = self.schedule.now, winner.priority
         others = [i for i in self.inputs if i is not winner and i.until > now]
-        lower = [f"{i.link.source} ({i.link.priority})" for i in others if i.priority < own]
-        equal = [i.link.source for i in others if i.priority == own]
+        lower = [f"{i.name} ({i.link.priority})" for i in others if i.priority < own]
+        equal = [i.name for i in others if i.priority == own]
         lines = [f"priority {own} outranks {listing(lower)}"] if lower else []
         same = "" if self.equal else f" of the same priority {own}"
         lines += [f"later than {listing(equal)}{same}"] if equal else []
@@ -301,7 +321,8 @@ class HierarchicalArbitration:
     def _hold(self, holder: str, why: Callable[[], str], through: str = NOBODY) -> None:
         last = self.holdings[-1] if self.holdings else None
         if last is not None and (last.holder, last.through) == (holder, through):
-            return
+            if holder or last.why == why():
+                return
         now, reason = self.schedule.now, why()
         self.holdings.append(Holding(self.name, holder, now, reason, through))
         if self.observe is not None:

@@ -2,6 +2,7 @@
 
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Mapping
+from itertools import islice
 from math import inf
 from typing import Any, Generic, TypeVar
 
@@ -67,6 +68,10 @@ class Bounds:
         self.limits: list[History[Mapping[str, float]]] = []
         #: The times (ns) at which a lock took away what was obeyed, with the lock.
         self.stops: list[tuple[int, History[bool]]] = []
+        #: The limit that lowered the last command sent in each instant (ns), and whether to 0.
+        self.scalings: dict[int, tuple[History[Mapping[str, float]] | None, bool]] = {}
+        #: The commands that a lock held back: the times (ns), with the lock and the link of each.
+        self.refused: list[tuple[int, History[bool], Link]] = []
 
     def input(self, link: Link) -> Callable[[Message], None]:
         """Return the receiver of the messages of a lock or a limit."""
@@ -101,30 +106,38 @@ class Bounds:
             if (level is None or priority < level) and (lock.silent(time) or lock.at(time)):
                 yield lock
 
-    def stop(self, priority: int = 0) -> History[bool]:
-        """Note that a lock takes away what a controller of a priority commands; return the lock."""
+    def stop(self, priority: int = 0) -> None:
+        """Note that a lock takes away what a controller of a priority commands."""
         now = self.schedule.now
-        lock = next(self.locking(now, priority))
-        self.stops.append((now, lock))
-        return lock
+        self.stops.append((now, next(self.locking(now, priority))))
+
+    def refuse(self, link: Link, time: int, priority: int = 0) -> None:
+        """Note that a lock, if any, holds back a command of a link that came at a time (ns)."""
+        self.refused += ((time, lock, link) for lock in islice(self.locking(time, priority), 1))
 
     def is_locked(self, time: int, priority: int = 0) -> bool:
         """Whether a controller of a priority is passed over at a time (ns)."""
         return any(True for _ in self.locking(time, priority))
 
-    def scaled(self, command: dict[str, float]) -> dict[str, float]:
-        """Return a command with all rates multiplied by the factor of the limits."""
+    def scaled(self, command: dict[str, float], *, sent: bool = False) -> dict[str, float]:
+        """Return a command with all rates multiplied by the factor of the limits.
+
+        If it is `sent`, the limit that lowered it is noted.
+        """
         now, factor = self.schedule.now, 1.0
+        lowest: History[Mapping[str, float]] | None = None
         least: dict[str, float] = {}
         for limit in self.limits:
             if limit.silent(now):
-                factor = 0.0
+                factor, lowest = 0.0, limit
                 continue
             for function, bound in (limit.at(now) or {}).items():
                 least[function] = min(bound, least.get(function, bound))
-        for function, rate in command.items():
-            if function in least and abs(rate) > least[function]:
-                factor = min(factor, least[function] / abs(rate))
+                rate = abs(command.get(function, 0.0))
+                if rate > bound and bound / rate < factor:
+                    factor, lowest = bound / rate, limit
+        if sent and self.limits:
+            self.scalings[now] = lowest if any(command.values()) else None, not factor
         if factor == 1.0:
             return command
         # A product may be rounded to more than the bound.

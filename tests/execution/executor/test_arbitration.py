@@ -130,6 +130,17 @@ def test_the_holder_of_control_is_recorded_with_instant_and_reason() -> None:
     ]
 
 
+def test_a_reason_names_the_controller_and_not_the_gate_that_its_command_passed() -> None:
+    text = (
+        "P is_controlled_by ArbitrationNode\nGate1 is_controlled_by A\n"
+        "ArbitrationNode is_controlled_by Gate1 0 hold 100\n"
+        "ArbitrationNode is_controlled_by B 1 hold 100"
+    )
+    _, executor = arbitrated({"A": {0: 1, 60: 2}, "B": {20: 9}}, 0.1, text)
+    held = executor.arbiters["ArbitrationNode"].holdings
+    assert [h.why for h in held] == ["alone in force", "priority 1 outranks A (0)"]
+
+
 CASCADE = """P is_controlled_by ArbitrationNode2
 ArbitrationNode2 is_controlled_by A 0 hold 100
 ArbitrationNode2 is_controlled_by ArbitrationNode 1
