@@ -1,5 +1,6 @@
 """`check --fix` drops no gate, lock or reset line: a user decides whether it is meant."""
 
+import json
 from pathlib import Path
 
 from mars_asp.cli import run_here
@@ -51,3 +52,21 @@ def test_a_lock_that_is_not_fed_and_a_gate_without_effect_stay(
     capsys.readouterr()
     assert run_here(["explain", str(file), "--repair", "lock_unfed"]) == 1
     assert "let `Stop` no longer bound `Wheel`" in capsys.readouterr().out
+
+
+def test_a_misspelt_input_is_spelt_anew_where_a_line_can_gate_inputs(
+    tmp_path: Path, capsys: Captured
+) -> None:
+    """Only suppressed ports can be inputs, so for an inhibited one no input is proposed."""
+    file = tmp_path / "a.mars"
+    block = "@module_start\n@module_name T\n@ControlOut\nTwist turn(Map heading);\n@module_end\n"
+    lines = ["@configuration hierarchical", "@modules S, T, N, B", "T.heading uses_data_from S"]
+    for relation, codes in (
+        ("is_suppressed_by", {"undeclared_port"}),
+        ("is_inhibited_by", {"class_mismatch", "idle_gate"}),
+    ):
+        gate = f"T.hedding {relation} N 300"
+        file.write_text("\n".join([*lines, "B is_controlled_by T", gate, block]))
+        run_here(["check", "--format", "json", str(file)])
+        found = json.loads(capsys.readouterr().out)["findings"]
+        assert {each["kind"] for each in found} == codes

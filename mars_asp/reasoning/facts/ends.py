@@ -163,13 +163,15 @@ def _is_input(
 ) -> bool:
     """Whether a line gates an input: the port is one, and no output has its name.
 
-    Of a module that has inputs and no outputs, any port is an input, if a misspelt one.
+    Of a module that has inputs and no outputs, any suppressed port is an input, if a misspelt one.
     `named` are the outputs, `entered` the inputs that other lines name, by their modules.
     """
     module = described.get(line.gated)
     if module is not None:
         known, own = inputs(module), outputs(module)
-        return line.port not in own and (line.port in known or bool(known and not own))
+        return line.port not in own and (
+            line.port in known or bool(known and not own and line.sign == "suppress")
+        )
     return line.port in entered.get(line.gated, ()) and line.port not in named.get(line.gated, ())
 
 
