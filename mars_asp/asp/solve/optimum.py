@@ -254,7 +254,8 @@ def _in_all(
         with _solving(control, deadline, [other]) as handle:
             model = next(_models(handle, deadline), None)
             if model is None:
-                if _left(deadline) == 0:
+                # The clock does not tell: a wait may end a moment before the deadline.
+                if not handle.get().unsatisfiable:
                     raise TimeoutError
                 break
             common &= _true(model, component)

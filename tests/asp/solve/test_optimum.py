@@ -344,6 +344,14 @@ def test_after_the_deadline_a_search_without_an_answer_is_late(left: float) -> N
         optimise(holes(7, False), time.monotonic() + left)
 
 
+def test_a_wait_that_ends_before_its_deadline_proves_nothing(monkeypatch: Patch) -> None:
+    whole = holes(12, True)
+    found = optimise(whole, time.monotonic())
+    monkeypatch.setattr(optimum, "_left", lambda deadline: 0.01)
+    with pytest.raises(TimeoutError):
+        disjoint_needs(whole, found, 20, time.monotonic() + 100)
+
+
 def test_costs_of_false_atoms_are_summed_after_the_deadline() -> None:
     hard = holes(12, True, forbid(1))
     costs = (*hard.costs, (20, 5, 1), (20, 7, -1), (10, 11, 2), (10, 13, -2))
