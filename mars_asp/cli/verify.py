@@ -128,7 +128,9 @@ def judge_wiring(
         MarsError: rule packs are wrong, or clingo refuses rules.
     """
     rulebook = rulebook_for(arguments, ("resolve", "verify", "cost"))
-    verification = judge_specification(specification, project, rulebook, modules=modules)
+    verification = judge_specification(
+        specification, project, rulebook, modules=modules, cited=True
+    )
     if verification.violations:
         return verification, SpecificationComparison(None, None, None, in_time=True)
     return verification, _compare(arguments, verification, project, rulebook)

@@ -1,7 +1,7 @@
 """Does a specification realise a configuration: facts of both, judged by `rules/verify`."""
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import clingo
 
@@ -13,7 +13,10 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature, plain
 from mars_asp.asp.solve.atoms import Atom, Fact, fact_at
 from mars_asp.asp.solve.grounding import Grounding, Resolution
-from mars_asp.asp.solve.term_ids import as_symbol
+from mars_asp.asp.solve.term_ids import arguments, as_symbol
+from mars_asp.asp.trace import Derived, Explainer, Given
+from mars_asp.asp.trace.given import GivenFacts
+from mars_asp.asp.trace.text import steps_of
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point
 from mars_asp.language.print import print_transformation
 from mars_asp.model.declarations import Configuration, Data, Module, Mount, Transformation
@@ -43,13 +46,21 @@ _DIFFERS_AT = "differs_at"
 _CONVERTERS = frozenset({"converts"})
 #: The prefix of the predicates of facts about a specification.
 _OF_SPECIFICATION = "spec_"
+#: Predicates whose reasons show no path, but only which output a name means.
+_MEANINGS = (
+    *(Signature(name, 2) for name in ("sends", "aside_sort", "sort_of_end", "sort_of_trigger")),
+    *(Signature("goes_by", 3), Signature("with_side_lines", 0)),
+)
+#: The rule is about the side line that its first argument identifies, and cites no location.
+_COMMANDS_ASIDE = Signature("aside_commands", 2)
 
 
 @dataclass(frozen=True, slots=True)
 class Violation:
     """A violated clause of the definition of `realises`; `head` is the atom that a rule derives.
 
-    `locations` are those of a difference: in the specification, then in the configuration.
+    `locations` are those of the difference, or of the lines that the violation rests on: in the
+    specification, then in the configuration.
     """
 
     clause: int
@@ -101,12 +112,13 @@ def judge_specification(
     rulebook: Rulebook,
     grounding: Grounding | None = None,
     modules: Mapping[str, Module] | None = None,
+    cited: bool = False,
 ) -> Verification:
     """Return the violations and cautions of a specification, with their grounding.
 
     `modules` are the ones that the specification's own sources describe. The result rests on facts
     and built-in rules alone. The findings of packs are added; the grounding is then that of the
-    built-in rules.
+    built-in rules. With `cited`, each violation has the locations of the lines that it rests on.
 
     Raises:
         MarsError: rules that clingo refuses.
@@ -115,12 +127,18 @@ def judge_specification(
     with_packs = bool(rulebook.packs)
     described = project.configuration.with_declared(project.modules)
     specification = state_inputs(specification, described, rulebook)
-    facts = given(specification_facts(specification, project, rulebook, modules or {}))
-    found = _judged_by(facts, project, rulebook.built_in, None if with_packs else grounding, None)
+    facts = tuple(specification_facts(specification, project, rulebook, modules or {}))
+    fragment = given(facts)
+    every = rulebook.built_in
+    found = _judged_by(fragment, project, every, None if with_packs else grounding, None)
+    if cited:
+        found = _with_lines(found, specification, facts, project, every)
     if not own:
         return found
     # Packs add findings, and remove none.
-    more = _judged_by(facts, project, rulebook, None, own)
+    more = _judged_by(fragment, project, rulebook, None, own)
+    if cited:
+        more = _with_lines(more, specification, facts, project, rulebook)
     return Verification(
         tuple(sorted({*found.violations, *more.violations}, key=lambda v: (v.clause, v.message))),
         (*found.cautions, *more.cautions),
@@ -186,6 +204,34 @@ def _judged_by(
         tuple(cautions[key] for key in sorted(cautions)),
         grounding,
     )
+
+
+def _with_lines(
+    found: Verification,
+    specification: Configuration,
+    facts: Sequence[Fact],
+    project: Project,
+    rulebook: Rulebook,
+) -> Verification:
+    """Return a verification whose violations have locations: lines of relationships, if any."""
+    known = GivenFacts((*project_facts(project), *facts), rulebook.declarations)
+    explainer = Explainer(rulebook, found.grounding.control, known)
+    traces = explainer.why(each.head for each in found.violations if not each.locations)
+    lines = dict(numbered(specification.relationships))
+    both = (*specification.relationships, *project.configuration.relationships)
+    order = {line.span: number for number, line in enumerate(both)}
+
+    def located(violation: Violation) -> Violation:
+        places: dict[Span, None] = dict.fromkeys(violation.locations)
+        for step in steps_of(traces[violation.head], _MEANINGS) if not places else ():
+            if isinstance(step, Given) and step.span is not None:
+                places[step.span] = None
+            elif isinstance(step, Derived) and step.rule.derives(_COMMANDS_ASIDE):
+                places[lines[as_symbol(arguments(step.head)[0]).number].span] = None
+        stated = sorted((place for place in places if place in order), key=order.__getitem__)
+        return replace(violation, locations=tuple(stated or places))
+
+    return replace(found, violations=tuple(map(located, found.violations)))
 
 
 def written_cost(

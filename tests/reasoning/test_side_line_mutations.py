@@ -1,4 +1,4 @@
-"""Each changed line of a specification with side lines is refused, except for equivalent orders."""
+"""Each changed line of a specification with side lines is refused, with the lines that show it."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,7 +9,7 @@ from mars_asp.diagnostic import MarsError
 from mars_asp.language import parse_text
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.rules import load_rulebook
-from mars_asp.reasoning.verification import verify
+from mars_asp.reasoning.verification import judge_specification
 from tests.support.campaigns import sample
 
 RULEBOOK = load_rulebook(stages=("resolve", "verify"))
@@ -53,4 +53,6 @@ def test_every_change_of_a_line_is_refused(path: Path) -> None:
                 specification = parse_text(text, "s.mars").configuration
             except MarsError:
                 continue
-            assert bool(verify(specification, project, RULEBOOK)) == (changed != body), text
+            found = judge_specification(specification, project, RULEBOOK, cited=True).violations
+            assert bool(found) == (changed != body), text
+            assert all(each.locations for each in found), text

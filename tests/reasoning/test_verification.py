@@ -217,6 +217,8 @@ def test_a_broken_priority_names_its_clause() -> None:
     )
     assert not done["realises"]
     assert {violation["clause"] for violation in done["violations"]} == {4}
+    places = {Path(at["path"]).name for each in done["violations"] for at in each["locations"]}
+    assert places == {"swapped.mars", "config.mars"}
 
 
 def written(specification: Configuration, project: Project) -> dict[int, int]:

@@ -10,11 +10,6 @@ from dataclasses import dataclass, replace
 from itertools import chain
 from typing import NamedTuple
 
-from mars_asp.asp.signature import Signature
-from mars_asp.asp.solve.term_ids import arguments, as_symbol
-from mars_asp.asp.trace import Derived, Explainer, Given, Trace
-from mars_asp.asp.trace.given import GivenFacts
-from mars_asp.asp.trace.text import steps_of
 from mars_asp.diagnostic import Span, point
 from mars_asp.model.declarations import (
     Configuration,
@@ -35,18 +30,10 @@ from mars_asp.reasoning.synthesis import IntroducedNode
 from mars_asp.reasoning.verification import (
     Violation,
     judge_specification,
-    specification_facts,
 )
 
 #: The file name in the locations of remaining lines, which are in no file.
 _LEFT = "<left>"
-#: Predicates whose reasons show no path, but only which output a name means.
-_MEANINGS = (
-    *(Signature(name, 2) for name in ("sends", "aside_sort", "sort_of_end", "sort_of_trigger")),
-    *(Signature("goes_by", 3), Signature("with_side_lines", 0)),
-)
-#: The rule is about the side line that its first argument identifies, and cites no location.
-_COMMANDS_ASIDE = Signature("aside_commands", 2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,15 +64,11 @@ def without(name: str, reasoner: Reasoner) -> tuple[ViolatedClause, ...] | None:
     over = _Ways(synthesis.specification.configuration, nodes).over(declared)
     left = _Left(synthesis.specification.configuration, name)
     rulebook = reasoner.rulebook
-    verification = judge_specification(left.specification, project, rulebook)
-    facts = (*reasoner.facts, *specification_facts(left.specification, project, rulebook))
-    control = verification.grounding.control
-    explainer = Explainer(rulebook, control, GivenFacts(facts, rulebook.declarations))
-    traces = explainer.why(violation.head for violation in verification.violations)
+    verification = judge_specification(left.specification, project, rulebook, cited=True)
     of_span = {relationship.span: number for number, relationship in enumerate(declared)}
     found = []
     for violation in verification.violations:
-        spans = set(left.cited(traces[violation.head]))
+        spans = set(violation.locations)
         numbers = {of_span[span] for span in spans if span in of_span}
         for line in left.last(spans):
             numbers |= set[int].intersection(*(set(over[number]) for number in line.of))
@@ -124,15 +107,7 @@ class _Left:
             stand_ins=tuple(each for each in whole.stand_ins if each.node != name),
         )
 
-    def cited(self, trace: Trace) -> Iterator[Span | None]:
-        """Yield the locations of the lines of both files on which a trace rests."""
-        for step in steps_of(trace, _MEANINGS):
-            if isinstance(step, Given):
-                yield step.span
-            elif isinstance(step, Derived) and step.rule.derives(_COMMANDS_ASIDE):
-                yield self._numbered[as_symbol(arguments(step.head)[0]).number].span
-
-    def last(self, places: Iterable[Span | None]) -> Sequence[_Line]:
+    def last(self, places: Iterable[Span]) -> Sequence[_Line]:
         """Return the lines at some locations that feed no other of these lines."""
         lines = [self._lines[place] for place in places if place in self._lines]
         feeders = {ends_of(line.line)[1] for line in lines}
