@@ -228,8 +228,8 @@ def _with_lines(
                 places[step.span] = None
             elif isinstance(step, Derived) and step.rule.derives(_COMMANDS_ASIDE):
                 places[lines[as_symbol(arguments(step.head)[0]).number].span] = None
-        stated = sorted((place for place in places if place in order), key=order.__getitem__)
-        return replace(violation, locations=tuple(stated or places))
+        lines_of_both = sorted((place for place in places if place in order), key=order.__getitem__)
+        return replace(violation, locations=tuple(lines_of_both or places))
 
     return replace(found, violations=tuple(map(located, found.violations)))
 
