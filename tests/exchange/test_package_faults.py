@@ -6,6 +6,7 @@ import pytest
 
 from mars_asp.cli import run_here
 from mars_asp.exchange.ros2 import import_ros2
+from mars_asp.exchange.ros2.read import workspace_around
 from mars_asp.language import Parsed
 from tests.support.fixtures import Captured, Patch
 from tests.support.packages import write_package
@@ -16,6 +17,7 @@ PARAMETERS = (
     '<param from="$(find-pkg-share mine)/config/p.yaml"/></node></launch>'
 )
 FILE = "joy:\n  ros__parameters:\n    rate: 1\n"
+EMPTY = '<launch><node pkg="{}" exec="q"/></launch>'
 SETUP = "from glob import glob\nfrom setuptools import setup\nname = 'mine'\n"
 
 
@@ -291,6 +293,23 @@ def test_a_broken_manifest_leaves_the_package_the_name_of_its_folder(
     assert output.count("[broken_file]") == (found is not None)
     assert found is None or f"mine/package.xml{found} [broken_file]" in output
     assert ("[duplicate_node]" in output) == (found is not None)
+
+
+def test_a_launch_file_is_not_judged_by_packages_that_it_does_not_need(
+    tmp_path: Path, capsys: Captured
+) -> None:
+    """The package beside is ignored, so that the folder of both is no workspace."""
+    write_package(
+        {"package.xml": MANIFEST, "launch/r.launch.xml": EMPTY.format("q")}, tmp_path / "a"
+    )
+    for folder in ("b", "far/c"):
+        write_package({"package.xml": "<package></package>"}, tmp_path / folder)
+    for needed, found in (("q", 0), ("b", 1)):
+        (tmp_path / "a/launch/r.launch.xml").write_text(EMPTY.format(needed))
+        run_here(["check", "-q", str(tmp_path / "a/launch/r.launch.xml")])
+        assert capsys.readouterr().out.count("package.xml:1:1") == found
+    (tmp_path / "b/COLCON_IGNORE").touch()
+    assert workspace_around(tmp_path / "a/launch/r.launch.xml") == tmp_path / "a"
 
 
 @pytest.mark.parametrize(

@@ -240,11 +240,15 @@ def _is_package(folder: Path) -> bool:
 
 
 def _holds(folder: Path, inner: Path) -> bool:
-    """Whether a folder is called `src`, or directly contains another package than `inner`."""
+    """Whether a folder is called `src`, or directly contains a package that counts beside `inner`.
+
+    Those with `COLCON_IGNORE` (or alike) do not count.
+    """
     if folder.name == "src":
         return True
     try:
-        return any(_is_package(each) for each in folder.iterdir() if each != inner)
+        others = (each for each in folder.iterdir() if each != inner and _is_package(each))
+        return any(not any((each / mark).exists() for mark in IGNORE_MARKERS) for each in others)
     except OSError:
         return False
 
@@ -319,7 +323,7 @@ class _WorkspaceRobot:
         self._note()
         for launch in launches:
             self.unread += launch.unread
-        self.unread = [*map(self._with_marker, self.unread), *self.workspace.unread]
+        self.unread = [*map(self._with_marker, self.unread), *self._of_packages(launches, paths)]
         if not self.trees:
             raise self._nothing(paths)
         includes = any(len(launch.reached) > 1 for launch in launches)
@@ -344,7 +348,8 @@ class _WorkspaceRobot:
         faults of packages; of a launch file those of its programs and their packages.
         """
         first = self.trees[0]
-        manifests = (each for each in self.workspace.unread if each.sort == MANIFESTS)
+        unread = self._of_packages(launches, paths)
+        manifests = (each for each in unread if each.sort == MANIFESTS)
         broken = [*first.broken, *((each.name, each.span) for each in manifests)]
         missing = list(first.missing)
         if are_launched:
@@ -358,6 +363,24 @@ class _WorkspaceRobot:
                 broken += self.programs.unreadable_modules()
                 first = replace(first, by_hand=tuple(self._by_hand(launches, paths)))
         return replace(first, missing=tuple(missing), broken=tuple(dict.fromkeys(broken)))
+
+    def _of_packages(self, launches: Sequence[Launch], paths: Sequence[Path]) -> Sequence[Unread]:
+        """Return what was not read of packages; of a launch file, the manifests that it needs."""
+        if self.workspace.root in paths:
+            return self.workspace.unread
+        reached = {self.workspace.shown(f) for launch in launches for f in launch.reached}
+        absent = {each.package for launch in launches for each in launch.missing}
+        found = []
+        for each in self.workspace.unread:
+            folder = Path(each.span.path).parent
+            is_needed = folder.name in self.packages | absent
+            if (
+                each.sort != MANIFESTS
+                or is_needed
+                or any(folder in Path(f).parents for f in reached)
+            ):
+                found.append(each)
+        return found
 
     def _launches(self, paths: Sequence[Path]) -> Iterator[Launch]:
         """Yield the launch trees of folders, and one of all named files together."""
