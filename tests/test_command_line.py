@@ -298,11 +298,19 @@ def test_a_command_that_runs_out_of_time_reports_it(capsys: Captured) -> None:
     assert "the time limit ended this" in capsys.readouterr().err
 
 
-def test_an_output_without_a_folder_is_named_as_it_was_given(tmp_path: Path) -> None:
-    target = tmp_path / "missing" / "out.mars"
-    done = mars("synthesise", "examples/level0/config.mars", "-o", str(target))
+@pytest.mark.parametrize(
+    ("output", "message"),
+    [
+        ("missing/out.mars", "there is no folder `missing` to write to\n    help: make it first\n"),
+        (".", "this is a folder, not a file to write\n    help: name a file in it\n"),
+    ],
+)
+def test_an_output_that_cannot_be_a_file_is_refused_before_anything_is_read(
+    output: str, message: str
+) -> None:
+    done = mars("synthesise", "nope.mars", "-o", output)
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == f"mars-asp: error: `{target}`: No such file or directory\n"
+    assert done.stderr == f"mars-asp: error: {output}: {message}"
 
 
 def test_a_controller_that_ranks_twice_counts_at_its_highest(tmp_path: Path) -> None:

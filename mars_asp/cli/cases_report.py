@@ -11,7 +11,7 @@ from mars_asp.asp.cases.outcomes import difference
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.lines import location_json
 from mars_asp.diagnostic import Diagnostic
-from mars_asp.output import counted, visible
+from mars_asp.output import visible
 
 
 class CaseFileResult(NamedTuple):
@@ -28,10 +28,12 @@ def print_outcomes(
     arguments: argparse.Namespace,
     measured: Mapping[str, object],
     lines: Iterable[str],
+    updated: Iterable[Path] = (),
 ) -> None:
     """Print the failed cases with expected and actual results, and the numbers of cases.
 
-    `measured` holds further results for JSON, and `lines` the same results as text.
+    `measured` holds further results for JSON, and `lines` the same results as text; `updated` are
+    the files with new expectations.
     """
     checks = [(outcome, check) for outcome in outcomes for check in outcome.checks]
     failed = sum(not check.passed for _, check in checks)
@@ -46,9 +48,10 @@ def print_outcomes(
             print(f"FAILED {visible(f'{outcome.path}{title}')}")
             for line in _failure_lines(check):
                 print(line)
-    updated = sum(outcome.updated is not None for outcome in outcomes) if arguments.update else 0
-    files = counted(updated, "file")
-    print(f"{passed} passed, {failed} failed{f', {files} updated' if updated else ''}")
+    for path in updated:
+        print(f"wrote {visible(str(path))}")
+    if not arguments.quiet:
+        print(f"{passed} passed, {failed} failed")
     for line in lines:
         print(line)
 

@@ -132,12 +132,12 @@ def _part(project: "Project", is_painted: bool, arguments: argparse.Namespace) -
     found = number_findings(selection.among(project, analysis.consequences).shown)
     configuration = with_own_muxes(project.configuration)
     whole = marked(depict(configuration, project.modules, classes=arguments.classes), found)
-    shown, name, port = whole, arguments.about, None
-    if name is not None:
-        name, port = _box_and_port(name, whole, project)
+    shown, name, port = whole, None, None
+    if arguments.about is not None:
+        name, port = _box_and_port(arguments.about, whole, project)
     if arguments.only is not None:
         shown = of_kinds(shown, arguments.only, name)
-    if name is not None:
+    if arguments.about is not None:
         shown = about(shown, name, _DEPTH if arguments.depth is None else arguments.depth, port)
     # Other programs lay out the other formats.
     if is_painted and not arguments.whole:
@@ -145,11 +145,15 @@ def _part(project: "Project", is_painted: bool, arguments: argparse.Namespace) -
     return replace(shown, remark=left_out(whole, shown) or "")
 
 
-def _box_and_port(written: str, picture: "Picture", project: "Project") -> tuple[str, str | None]:
+def _box_and_port(
+    written: str, picture: "Picture", project: "Project"
+) -> tuple[str | None, str | None]:
     """Return the shown names of a box and its port (None without one) in `MODULE.PORT`.
 
+    A topic of ROS is a port of any box: without a name of one.
+
     Raises:
-        MarsError: there is no module or port of that name.
+        MarsError: there is no module, port or topic of that name.
     """
     from mars_asp.reasoning.project import port_names
 
@@ -159,8 +163,15 @@ def _box_and_port(written: str, picture: "Picture", project: "Project") -> tuple
     for name in (visible(written), visible(module) if port is None else "", f"/{visible(written)}"):
         if name in names:
             return name, None
+    topics = {each.outlet for each in picture.lines if (each.outlet or "").startswith("/")}
+    if written in topics:
+        return None, written
     # A module without a description has the ports that relationships name.
     ends = {*port_names(project).values()}
+    # Commands are of no port, but of a topic.
+    for drawn in picture.lines:
+        if drawn.kind == "control" and drawn.outlet is not None:
+            ends |= {(picture.boxes[at].name, drawn.outlet) for at in (drawn.tail, drawn.head)}
     for line in project.configuration.relationships:
         both = zip(ends_of(line), ports_of(line), strict=True)
         ends |= {(of, name) for of, name in both if name is not None}
@@ -172,11 +183,14 @@ def _box_and_port(written: str, picture: "Picture", project: "Project") -> tuple
         what, known = f"`{module}` has no port `{port}`", f"its ports are {', '.join(own)}"
         near, known = nearest(written, own), known if own else "no line joins a port of it"
     else:
-        what, known = f"`{written}` is not a module or port", "--about takes MODULE or MODULE.PORT"
-        # A topic alone means the port of its first publisher.
+        what, known = (
+            f"`{written}` is not a module or port",
+            "--about takes MODULE, MODULE.PORT or a topic",
+        )
+        # A port alone means that of its first sender.
         tails = (picture.boxes[line.tail] for line in picture.lines if line.outlet == written)
         sent = (f"{box.name}.{written}" for box in tails)
-        near = next(sent, None) or nearest(written, (*names, *ports))
+        near = next(sent, None) or nearest(written, (*names, *ports, *filter(None, topics)))
     help_text = f"did you mean `{near}`?" if near else known
     raise refusal("draw", what, project.configuration.path, help_text)
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from mars_asp.cli.deliver import begin_outputs, file_key
 from mars_asp.cli.diagnostic_text import report_error
-from mars_asp.diagnostic import MarsError, refusal
+from mars_asp.diagnostic import Diagnostic, MarsError, refusal, whole_file
 from mars_asp.output import visible
 
 #: The folder of the control groups of Linux, and the names of the files in them with the memory
@@ -61,14 +61,17 @@ def run_plain(run: Callable[[argparse.Namespace], int], arguments: argparse.Name
 
 
 def check_outputs(arguments: argparse.Namespace) -> None:
-    """Check, before anything runs, that no output is an input or another output.
+    """Check, before anything runs, that no output is an input or another output, nor a folder.
 
     Raises:
-        MarsError: an output is also another file of the command.
+        MarsError: an output is also another file of the command, or no file can have its name.
     """
     begin_outputs()
     given = vars(arguments)
     named = {each: given[each] for each in _OUTPUTS if given.get(each) not in (None, "-")}
+    problems = list(filter(None, map(_not_writable, named.values())))
+    if problems:
+        raise MarsError(problems)
     if given.get("fresh") is False:
         # A campaign continues its own file, and refuses any other.
         named.pop("output", None)
@@ -86,6 +89,18 @@ def check_outputs(arguments: argparse.Namespace) -> None:
                 message = f"`{path}` is an input or another output of the same command"
             raise refusal("usage", message, path, "give each output a name of its own")
         used[key] = path
+
+
+def _not_writable(output: str) -> Diagnostic | None:
+    """Return the error that an output is a folder, or in none; None if a file can be there."""
+    folder = os.path.dirname(output) or "."  # noqa: PTH120 -- a path that may be no text
+    if os.path.isdir(output):  # noqa: PTH112
+        message, advice = "this is a folder, not a file to write", "name a file in it"
+    elif not os.path.isdir(folder):  # noqa: PTH112
+        message, advice = f"there is no folder `{folder}` to write to", "make it first"
+    else:
+        return None
+    return Diagnostic("usage", "error", message, whole_file(output), help=advice, excerpt="")
 
 
 def seconds_to_search(arguments: argparse.Namespace) -> float | None:

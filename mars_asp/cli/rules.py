@@ -55,7 +55,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("action", nargs="?", default="list", choices=actions, help=help_text)
     parser.add_argument("what", nargs="?", metavar="ID|PREDICATE|KIND|PATH|NAME")
     parser.add_argument("files", nargs="*", metavar="FILE")
-    parser.add_argument("-o", "--output", metavar="DIR")
+    parser.add_argument("-o", "--output", dest="folder", metavar="DIR")
     add_flags(parser, "--fix", "--predicates", "--source")
     parser.add_argument(
         "--stage",
@@ -97,8 +97,8 @@ def run(arguments: argparse.Namespace) -> int:
     if action == "show":
         text = encoded(shown_json(rulebook, what)) if as_json else None
         print(text or safe(shown(rulebook, what, with_source=arguments.source)))
-    elif action == "doc" and arguments.output:
-        write_pages(rulebook, stages, what, arguments.output)
+    elif action == "doc" and arguments.folder:
+        write_pages(rulebook, stages, what, arguments.folder)
     elif action == "doc":
         print("# Rules\n")
         print(safe("\n".join(documents(rulebook, stages, what))))
@@ -264,7 +264,7 @@ def _misused(action: str, what: str | None, arguments: argparse.Namespace) -> st
         return f"--predicates has no effect on `{action}`"
     if arguments.stage and action not in ("list", "doc"):
         return f"--stage has no effect on `{action}`"
-    if arguments.output and action != "doc":
+    if arguments.folder and action != "doc":
         return f"--output has no effect on `{action}`"
     if arguments.files and action != "diff":
         return f"`{action}` takes one name, and `{visible(arguments.files[0])}` is another"

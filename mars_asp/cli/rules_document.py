@@ -15,7 +15,7 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.asp.signature import Signature, plain
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.rules_example import RuleExample
-from mars_asp.output import fenced, markdown, visible
+from mars_asp.output import counted, fenced, markdown, visible
 from mars_asp.reasoning.findings import EXPANSIONS
 from mars_asp.reasoning.packs import FOLDERS
 from mars_asp.reasoning.rules import BASE, STAGES, seal
@@ -55,7 +55,7 @@ def _is_of(path: str, pack: str | None) -> bool:
 
 def write_pages(rulebook: Rulebook, stages: Iterable[str], pack: str | None, folder: str) -> None:
     """Write a page for each file of rules into a folder, and an index of the pages."""
-    listed = ["# Rules", ""]
+    listed, written = ["# Rules", ""], 1
     Path(folder).mkdir(parents=True, exist_ok=True)
     for stage in stages:
         named = ((path, of) for path, (at, of) in rulebook.outlines.items() if at == stage)
@@ -67,9 +67,11 @@ def write_pages(rulebook: Rulebook, stages: Iterable[str], pack: str | None, fol
             listed.append(f"- [{markdown(file_name(path, stage))}]({quote(name)}): {title}")
             page = _page(rulebook, path, stage, outline)
             write_file(str(Path(folder) / name), safe(page.replace("## ", "# ", 1)))
+            written += 1
         listed += [""] if files else []
     write_file(str(Path(folder) / "index.md"), "\n".join(listed))
-    print(f"wrote {visible(str(Path(folder) / 'index.md'))}")
+    index = visible(str(Path(folder) / "index.md"))
+    print(f"wrote {counted(written, 'page')}, {index} and those that it lists")
 
 
 def file_document(path: str, stage: str, outline: Outline) -> str:

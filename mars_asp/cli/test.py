@@ -7,7 +7,6 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from mars_asp.asp.cases import Outcome
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.arguments import add_flags
 from mars_asp.cli.cases_report import CaseFileResult, junit, print_outcomes
@@ -90,7 +89,7 @@ def run_once(arguments: argparse.Namespace) -> int:
         if overlay_bytes(Path(path)) is None and not Path(path).exists()
     ]
     unread = [
-        CaseFileResult(Path(path), None, (unreadable(path, "no such file"),), 0.0)
+        CaseFileResult(Path(path), None, (unreadable(path, "no such file", _advice(path)),), 0.0)
         for path in missing
     ]
     if unread and arguments.snapshot:
@@ -109,9 +108,14 @@ def run_once(arguments: argparse.Namespace) -> int:
     packs = {each.pack for each in found}
     books = {pack: _rulebook(pack, rules, arguments.trust) for pack in packs}
     ran = [*unread, *(_ran(each, books[each.pack]) for each in found)]
+    problems: list[Diagnostic] = [problem for each in ran for problem in each.problems]
+    updated = _updated(ran) if arguments.update and not problems else {}
+    # What an update leaves as it is may still fail; the files change when the command ends.
+    with overlay({str(path): text for path, text in updated.items()}):
+        again = {each.path: _ran(each, books[each.pack]) for each in found if each.path in updated}
+    ran = [again.get(each.path, each) for each in ran]
     if arguments.junit:
         write_file(arguments.junit, junit(ran))
-    problems: list[Diagnostic] = [problem for each in ran for problem in each.problems]
     if problems and (arguments.update or not any(each.outcome for each in ran)):
         raise MarsError(dict.fromkeys(problems))
     # The other cases are run even if one has errors.
@@ -119,20 +123,23 @@ def run_once(arguments: argparse.Namespace) -> int:
     for each in ran:
         detail(arguments, f"{each.path}: {each.seconds:.2f} s")
     outcomes = [each.outcome for each in ran if each.outcome is not None]
-    if arguments.update:
-        _update(outcomes)
     all_pass = all(outcome.passed for outcome in outcomes)
     if arguments.mutate and not all_pass:
         print("mars-asp test: mutants are tried when all cases pass", file=sys.stderr)
     arguments.mutate = arguments.mutate and all_pass
     result, lines, status = _measured(found, books, arguments)
-    print_outcomes(outcomes, arguments, result, lines)
+    print_outcomes(outcomes, arguments, result, lines, updated)
     if problems:
         return 2
-    failed = [outcome for outcome in outcomes if not outcome.passed]
-    if outcomes and arguments.update and all(each.updated is not None for each in failed):
-        return status
-    return max(int(bool(failed) or not outcomes), status)
+    return max(int(not all_pass or not outcomes), status)
+
+
+def _advice(path: str) -> str | None:
+    """Return how to run the cases that a path may mean: those of one line, or of one title."""
+    file = path.partition(":")[0]
+    if file != path and Path(file).exists():
+        return f"name the file, all of whose cases are run: `mars-asp test {file}`"
+    return None if Path(path).parent.name or "." in path else "name files or folders of cases"
 
 
 def _snapshot(found: Sequence[FoundCase], rules: list[Path], arguments: argparse.Namespace) -> int:
@@ -182,12 +189,10 @@ def _measured(
     return measured(tuple(found), books, arguments)
 
 
-def _update(outcomes: Iterable[Outcome]) -> None:
-    """Write the actual results into the case files, all or none."""
-    changed = []
-    for outcome in outcomes:
-        if outcome.updated is not None:
-            before = outcome.path.read_bytes()
-            changed.append((str(outcome.path), outcome.updated.encode(), before))
-    if changed:
-        replace_files(changed)
+def _updated(ran: Iterable[CaseFileResult]) -> Mapping[Path, str]:
+    """Write the actual results into the case files, all or none; return the changed texts."""
+    outcomes = [each.outcome for each in ran if each.outcome is not None]
+    new = {each.path: each.updated for each in outcomes if each.updated is not None}
+    if new:
+        replace_files([(str(p), text.encode(), p.read_bytes()) for p, text in new.items()])
+    return new

@@ -26,15 +26,19 @@ def of_kinds(picture: Picture, kinds: Collection[LineKind], name: str | None = N
     return _with(replace(picture, lines=tuple(lines)), sorted(joined))
 
 
-def about(picture: Picture, name: str, depth: int, port: str | None = None) -> Picture:
+def about(picture: Picture, name: str | None, depth: int, port: str | None = None) -> Picture:
     """Return a diagram of the boxes at most `depth` lines away from the named box.
 
-    With a `port`, paths begin with lines of that port, and with a depth of 1 only these are drawn.
-    Boxes with omitted lines have a note with their number.
+    With a `port`, paths begin with lines of that port, and with a depth of 1 only these are drawn;
+    without a name, they begin with the lines of all ports of that name, such as a topic. Boxes with
+    omitted lines have a note with their number.
     """
     near = _neighbours(picture.lines, len(picture.boxes))
-    found = {number for number, box in enumerate(picture.boxes) if box.name == name}
+    every = range(len(picture.boxes))
+    found = {number for number in every if name in (picture.boxes[number].name, None)}
     wire = [line for line in picture.lines if port is None or _has_port(line, found, port)]
+    if name is None:
+        found = {box for line in wire for box in (line.tail, line.head)}
     first = near if port is None else _neighbours(wire, len(picture.boxes))
     fringe = found
     for step in range(depth):

@@ -86,8 +86,8 @@ class Line:
 
     Mounts lead from the mounting module to its carrier. `label` may have several lines, `text` is
     the relationship as written. `outlet` and `inlet` are the ports of data, which may be None where
-    there is only one. `rank` is the priority of a controller, `span` the location of the
-    relationship, `sign` the effect of a trigger.
+    there is only one, and the topic of commands. `rank` is the priority of a controller, `span` the
+    location of the relationship, `sign` the effect of a trigger.
     """
 
     kind: LineKind
@@ -250,6 +250,7 @@ def _picture_line(
             if relationship.allocation is not None:
                 words.append(f"allocation {relationship.allocation}")
             label = [relationship.topic or "", " ".join(words)]
+            outlet = inlet = relationship.topic
         case Data():
             kind = "data"
             outlet = outlet or _only_port(described.get(relationship.source), outputs)

@@ -38,7 +38,8 @@ def odd(tmp_path: Path, monkeypatch: Patch) -> Path:
 def test_an_update_writes_expected_findings_and_no_facts(odd: Path) -> None:
     facts, robot = odd / "cases" / "facts.lp", odd / "cases" / "robot.mars"
     before = {path: path.read_text().splitlines() for path in (facts, robot)}
-    assert run_here(["test", "odd", "--update"]) == 0
+    # What must hold is not updated, and still fails.
+    assert run_here(["test", "odd", "--update"]) == 1
     assert [line for line in facts.read_text().splitlines() if line not in before[facts]] == [
         '%+ consequence(odd_idle,warning,"B",alone)',
         '%+ consequence(odd_idle,warning,"B",alone)',
@@ -53,6 +54,20 @@ def test_an_update_writes_expected_findings_and_no_facts(odd: Path) -> None:
     once = facts.read_text(), robot.read_text()
     run_here(["test", "odd", "--update"])
     assert (facts.read_text(), robot.read_text()) == once
+
+
+def test_the_cases_are_judged_as_the_update_leaves_them(
+    tmp_path: Path, monkeypatch: Patch, capsys: Captured
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("a.mars").write_text("@configuration\n@modules A\n")
+    assert run_here(["test", "a.mars", "--update"]) == 0
+    assert capsys.readouterr().out == "wrote a.mars\n1 passed, 0 failed\n"
+    assert run_here(["test", "a.mars", "-q"]) == 0
+    assert capsys.readouterr().out == ""
+    for place in ("a.mars:3", "a.mars::title"):
+        assert run_here(["test", place]) == 2
+        assert "`mars-asp test a.mars`" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
@@ -266,7 +281,7 @@ def test_a_watch_runs_again_after_a_change_and_ends_by_a_signal(odd: Path) -> No
         assert any("waiting" in line for line in watching.stderr)
         (odd / "consequences" / "odd.lp").write_text("busy(M) :- module(M).\n")
         output = next(line for line in watching.stderr if "passed" in line or "error" in line)
-        assert "6 failed" in output or "passed" in output
+        assert "no rule finds the kind `odd_idle`" in output
         assert any("waiting" in line for line in watching.stderr)
     finally:
         watching.send_signal(2)

@@ -386,7 +386,8 @@ def test_a_baseline_hides_listed_findings_wherever_they_move(
         "mars-asp: note: known.json: the baseline lists 2 findings"
     )
     done = mars("check", str(folder / "a.mars"), "--write-baseline", "gone/known.json")
-    message = "mars-asp: error: `gone/known.json`: No such file or directory\n"
+    message = "mars-asp: error: gone/known.json: there is no folder `gone` to write to\n"
+    message += "    help: make it first\n"
     assert (done.returncode, done.stdout, done.stderr) == (2, "", message)
     assert (folder / "known.json").read_text() == (
         '{"format": "mars-baseline", "version": 1, "findings": [\n'

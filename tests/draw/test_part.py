@@ -15,6 +15,7 @@ from mars_asp.draw.svg import drawn_width, svg_text
 from tests.support.campaigns import examples, sample
 from tests.support.fixtures import Captured, Patch
 
+ROS2 = Path(__file__).parents[2] / "examples" / "ros2_workspace"
 KINDS: tuple[LineKind, ...] = ("mount", "data", "control")
 ROBOT = """\
 @configuration hierarchical
@@ -144,7 +145,7 @@ def test_a_small_picture_is_drawn_as_it_is() -> None:
             "",
             "`out` is not a module or port\n    help: did you mean `A.out`?",
         ),
-        (["--about", "?"], "", "help: --about takes MODULE or MODULE.PORT"),
+        (["--about", "?"], "", "help: --about takes MODULE, MODULE.PORT or a topic"),
         (["--only", "mount"], "", "found `mount`: did you mean `mounts`?"),
         (["--only", ","], "", "found `,`: expected data, control, mounts"),
         (["--depth", "1"], "", "--depth needs --about NAME"),
@@ -181,3 +182,18 @@ def test_a_part_is_drawn_or_refused(
 def test_a_remark_is_drawn_whole() -> None:
     remark = "left out: " + "1000 of 2000 modules and " * 4
     assert f">{remark}<" in svg_text(Picture("", (Box("A", "", None),), (), remark))
+
+
+@pytest.mark.parametrize(
+    ("name", "shown"),
+    [
+        ("/cmd_vel", "/base_driver /dock /velocity_smoother"),
+        ("/base_driver./cmd_vel", "/base_driver /dock /velocity_smoother"),
+        ("/dock./cmd_vel", "/base_driver /dock"),
+        ("/scan", "/follow /lidar /patrol"),
+    ],
+)
+def test_the_ends_of_a_topic_are_drawn(name: str, shown: str, capsys: Captured) -> None:
+    assert run_here(["draw", str(ROS2), "--about", name, "--as", "mmd", "-q"]) == 0
+    boxes = re.findall(r'n\d+\["(/\w+)', capsys.readouterr().out)
+    assert " ".join(sorted(boxes)) == shown

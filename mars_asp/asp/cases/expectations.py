@@ -19,7 +19,8 @@ _CONTINUED = re.compile(r"%\+(.*?)[ \t\r]*$")
 _STRAY = re.compile(r"%\+[ \t]+[-_a-z]")
 #: An open value; strings match as well, because they can contain `_`.
 ANYTHING = re.compile(r'("(?:[^"\\]|\\.)*")|(?<![A-Za-z0-9_\'])_(?![A-Za-z0-9_\'])')
-_CODE = "case"
+#: The code of errors in cases.
+CODE = "case"
 #: Represents any value.
 ANY = clingo.Function("_any")
 
@@ -82,7 +83,7 @@ def blocks_of(text: str, shown: str, problems: list[Diagnostic]) -> tuple[Block,
     early = [each for each in expected if each.span.line < common]
     problems += (
         Diagnostic(
-            _CODE,
+            CODE,
             "error",
             "what is expected is of no case",
             each.span,
@@ -115,7 +116,7 @@ def _read_expectations(
         if match is None and _STRAY.match(lines[number - 1]):
             span = Span(shown, number, 1, number, 3)
             message, advice = "`%+` continues nothing", "write it directly below a line `%= ...`"
-            problems.append(Diagnostic(_CODE, "error", message, span, help=advice))
+            problems.append(Diagnostic(CODE, "error", message, span, help=advice))
         if match is None:
             continue
         first, kind = number, match["sign"] or match["word"]
@@ -124,7 +125,7 @@ def _read_expectations(
             near = nearest(kind, _WORDS)
             if near:
                 message, advice = f"`%{kind}:` is not an expectation", f"did you mean `%{near}:`?"
-                problems.append(Diagnostic(_CODE, "error", message, span, help=advice))
+                problems.append(Diagnostic(CODE, "error", message, span, help=advice))
             continue
         if kind in (">", "~", "case"):
             yield Expectation(kind, (ExpectedAtom(match["rest"], span),), span, first)
@@ -141,7 +142,7 @@ def _read_expectations(
 def _unread(kind: str, atoms: Sequence[ExpectedAtom], span: Span) -> Iterator[Diagnostic]:
     if not atoms:
         advice = f'write them, as in `%{kind}: seen(_,3) blind("A")`'
-        yield Diagnostic(_CODE, "error", f"`%{kind}:` names no atoms", span, help=advice)
+        yield Diagnostic(CODE, "error", f"`%{kind}:` names no atoms", span, help=advice)
     for each in atoms:
         try:
             kind_of = each.pattern.type
@@ -149,7 +150,7 @@ def _unread(kind: str, atoms: Sequence[ExpectedAtom], span: Span) -> Iterator[Di
             kind_of = clingo.SymbolType.Infimum
         if kind_of != clingo.SymbolType.Function or not each.pattern.name:
             message, advice = f"expected an atom, found `{each.text}`", 'as in `seen("A",_)`'
-            yield Diagnostic(_CODE, "error", message, each.span, help=advice)
+            yield Diagnostic(CODE, "error", message, each.span, help=advice)
 
 
 def _atoms(text: str, shown: str, line: int, before: int) -> Iterator[ExpectedAtom]:

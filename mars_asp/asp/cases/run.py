@@ -1,12 +1,13 @@
 """Finds case files, and runs their cases with the rules."""
 
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from itertools import chain
 from pathlib import Path
 
 import clingo
 
-from mars_asp.asp.cases.expectations import Block, blocks_of
+from mars_asp.asp.cases.expectations import ANY, CODE, Block, ExpectedAtom, blocks_of
 from mars_asp.asp.cases.outcomes import Check, FoundAnswer, Outcome, judged, rewritten
 from mars_asp.asp.fragments import Fragment, able_to_fire, joined, refusals
 from mars_asp.asp.messages import heard, predicate_of, saying
@@ -19,11 +20,13 @@ from mars_asp.asp.rules.statements import shown as shows
 from mars_asp.asp.signature import SPACE, Signature, plain, signature_of
 from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
+from mars_asp.spelling import suggestion
 
 #: The stage name for messages of cases.
 _STAGE = "case"
 #: The beginning of an expectation, as in `expectations.py`.
 _EXPECTED = re.compile(r"(?m)^[ \t]*%(?:[=>~]|(?:only|has|not|case):)")
+_WORD = re.compile(r"[a-z][\w']*")
 _MOST_ANSWERS = 100
 _MOST_MESSAGES = 10_000
 
@@ -97,6 +100,9 @@ def run_case(
         MarsError: clingo must not read a case, or an expectation cannot be read.
     """
     blocks, written, text = _blocks(path)
+    problems = tuple(_unknown(blocks, written, rulebook, finding))
+    if problems:
+        raise MarsError(problems)
     answers = {
         block: _answers(block, _of_block(written, block, blocks), rulebook, stages, finding)
         for block in blocks
@@ -104,6 +110,39 @@ def run_case(
     checks = (Check(each.title, each.span, judged(each, answers[each])) for each in blocks)
     updated = rewritten(text, blocks, answers, _own_sorts(rulebook, finding))
     return Outcome(path, tuple(checks), updated if updated != text else None)
+
+
+def _unknown(
+    blocks: Iterable[Block], written: Iterable[Piece], rulebook: Rulebook, finding: Signature
+) -> Iterator[Diagnostic]:
+    """Yield an error for each expected predicate or kind of finding that no rule can derive.
+
+    Those of `%has:`, `%not:` and `%only:` count: a case that excludes such an atom cannot fail.
+    """
+    known = {Signature(plain(each.name), each.arity) for each in rulebook.declarations}
+    known |= {Signature(plain(h.name), h.arity) for rule in rulebook.rules for h in rule.heads}
+    rules = (piece.text for piece in written if piece.sort != "comment")
+    here = {word for text in rules for word in _WORD.findall(text)}
+    names = here | {each.name for each in known}
+    makers = [rule for rule in rulebook.rules if finding in rule.heads]
+    is_open = finding.name in here or any(finding not in rule.firsts for rule in makers)
+    kinds = {kind for rule in makers for kind in rule.firsts.get(finding, ())}
+    for atom in chain.from_iterable(e.atoms for b in blocks for e in b.of("has", "not", "only")):
+        signature = signature_of(atom.pattern).unsigned
+        first = next(iter(atom.pattern.arguments), ANY)
+        if signature.name not in here and signature not in known:
+            others = sorted(str(each) for each in known if each.name == signature.name)
+            advice = (
+                f"there is `{others[0]}`" if others else suggestion(signature.name, names, None)
+            )
+            yield _cannot_hold(f"no rule derives `{signature}`", atom, advice)
+        elif signature == finding and not is_open and first != ANY and str(first) not in kinds:
+            advice = suggestion(str(first), kinds, None)
+            yield _cannot_hold(f"no rule finds the kind `{first}`", atom, advice)
+
+
+def _cannot_hold(message: str, atom: ExpectedAtom, advice: str | None) -> Diagnostic:
+    return Diagnostic(CODE, "error", message, atom.span, help=advice)
 
 
 def _own_sorts(rulebook: Rulebook, finding: Signature) -> Sequence[str] | None:

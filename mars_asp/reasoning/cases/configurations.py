@@ -142,7 +142,7 @@ def run_configuration(path: Path, rulebook: Rulebook) -> Outcome:
     failures = tuple(failure for line in lines for failure in _unmet(line, lines, robot))
     if not lines:
         advice = "write what is expected, as in `# expect: warning KIND at LINE`, or use --update"
-        failures = (Failure(start, "an expectation", lines=(f"  - {advice}",)),)
+        failures = (Failure(start, "at least one expectation", lines=(f"  - {advice}",)),)
     updated = _updated(text, lines, robot)
     check = Check(None, lines[0].span if lines else start, failures)
     return Outcome(path, (check,), updated if updated != text else None)
@@ -351,13 +351,17 @@ def _unmet(
         elif any(there[name] != count for name, count in line.counts.items()):
             others = {n: c for n, c in there.items() if c and line.what == "expect nodes"}
             found = {name: there[name] for name in line.counts} | others
-            yield _failure(line.span, line.text, [_count_list(found)])
+            yield _failure(line.span, line.text, [_all(found)])
     elif line.what == "expect":
         (wanted,) = line.wanted
         if not any(map(wanted.fits, robot.reported)):
             near = [each for each in robot.reported if wanted.fits(each, anywhere=True)]
             near = near or [each for each in robot.reported if each.kind == wanted.kind]
-            yield _failure(line.span, line.text, [], near[0] if near else None)
+            if near:
+                yield _failure(line.span, line.text, [], near[0])
+            else:
+                none = f"    there is no {wanted.kind}"
+                yield Failure(line.span, line.text, lines=(none,))
     elif line.what == "never":
         unwanted = [each for each in robot.reported if line.wanted[0].fits(each)]
         if unwanted:
