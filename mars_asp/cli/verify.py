@@ -82,7 +82,10 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.specification is None:
         project = read_project(arguments, arguments.file)
         if project.format is None:
-            return misuse("verify", "SPEC and CONFIG are needed, or --without NODE CONFIG")
+            alone = "only files of other formats are judged alone"
+            return misuse(
+                "verify", f"SPEC and CONFIG are needed, or --without NODE CONFIG; {alone}"
+            )
         from mars_asp.exchange.lift import lifted
 
         # The wiring of foreign files is judged against the configuration that it realises.

@@ -298,7 +298,7 @@ def test_a_broken_manifest_leaves_the_package_the_name_of_its_folder(
 def test_a_launch_file_is_not_judged_by_packages_that_it_does_not_need(
     tmp_path: Path, capsys: Captured
 ) -> None:
-    """The package beside is ignored, so that the folder of both is no workspace."""
+    """A folder whose packages are all ignored does not count as a workspace."""
     write_package(
         {"package.xml": MANIFEST, "launch/r.launch.xml": EMPTY.format("q")}, tmp_path / "a"
     )
