@@ -365,7 +365,7 @@ class _WorkspaceRobot:
         return replace(first, missing=tuple(missing), broken=tuple(dict.fromkeys(broken)))
 
     def _of_packages(self, launches: Sequence[Launch], paths: Sequence[Path]) -> Sequence[Unread]:
-        """Return the skipped content of packages; of a launch file, only manifests that it needs."""
+        """Return skipped content of packages; of a launch file, the manifests that it needs."""
         if self.workspace.root in paths:
             return self.workspace.unread
         reached = {self.workspace.shown(f) for launch in launches for f in launch.reached}
