@@ -37,7 +37,7 @@ from mars_asp.cli.schemas import FORMATS, add_schema, schema_text
 from mars_asp.cli.selection import Selection, add_selection
 from mars_asp.cli.suggested_commands import command
 from mars_asp.cli.wrapping import columns, compared, wrapped
-from mars_asp.diagnostic import Diagnostic, Span
+from mars_asp.diagnostic import Diagnostic, MarsError, Span
 from mars_asp.exchange.recognise import recognised
 from mars_asp.language.parse import read_text
 from mars_asp.model.declarations import Configuration
@@ -413,11 +413,24 @@ def _split_location(arguments: argparse.Namespace) -> None:
         return
     arguments.files, arguments.subject = [path], f"{Path(path).name}:{line}"
     text = read_text(Path(path))
-    if arguments.from_format is None and recognised(text) == "mars" and is_other_file(path, text):
+    if arguments.from_format is None and _is_part(path, text):
         # A source is read within its workspace, which may have several of its name.
         workspace = workspace_of(path)
         if workspace is not None:
             arguments.files, arguments.subject = [workspace], f"{path}:{line}"
+
+
+def _is_part(path: str, text: str) -> bool:
+    """Whether a file is no robot by itself: a source, or YAML that no mux can have."""
+    form = recognised(text)
+    if form != "twist_mux":
+        return form == "mars" and is_other_file(path, text)
+    from mars_asp.exchange.twist_mux.document import read_documents
+
+    try:
+        return not read_documents([(text, path)])
+    except MarsError:
+        return True
 
 
 def _place(subject: str, arguments: argparse.Namespace) -> str:

@@ -236,6 +236,18 @@ def test_a_line_of_a_source_is_explained_within_its_workspace(
         assert "name its workspace, `ws`" in capsys.readouterr().out
 
 
+def test_a_line_of_a_file_that_cannot_be_read_is_explained(
+    workspace: Path, capsys: Captured
+) -> None:
+    package = workspace / "src" / "drive"
+    (package / "p.yaml").write_text("n:\n  ros__parameters:\n    x: 1\n    x: 2\n")
+    loading = '<param from="$(find-pkg-share drive)/p.yaml"/>'
+    text = f'<launch><node pkg="q" exec="n" name="n">{loading}</node></launch>'
+    (package / "launch" / "one.launch.xml").write_text(text)
+    assert run_here(["explain", f"{package}/p.yaml:4", "--quiet"]) == 0
+    assert "`x` is given twice" in capsys.readouterr().out
+
+
 def test_a_package_is_found_by_its_name(
     workspace: Path, capsys: Captured, monkeypatch: Patch
 ) -> None:

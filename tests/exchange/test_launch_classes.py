@@ -161,8 +161,25 @@ def generate_launch_description():
 """
 
 
-def test_actions_of_imported_functions_are_noted() -> None:
-    found = launched(IMPORTING)
+#: The same functions by the names of their modules.
+BY_MODULE = (
+    IMPORTING.replace("from acme_launch import described, include as included, wrap", "{}")
+    .replace("described()", "acme.tools.described()")
+    .replace("included(", "acme.tools.include(")
+    .replace("wrap(", "acme.tools.wrap(")
+)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        IMPORTING,
+        BY_MODULE.format("import acme.tools"),
+        BY_MODULE.replace("acme.tools", "tools").format("import acme.tools as tools"),
+    ],
+)
+def test_actions_of_imported_functions_are_noted(text: str) -> None:
+    found = launched(text)
     [note] = [each for each in found.warnings if "imported functions" in each.message]
     sentence = "actions made by imported functions not read: 3 (`wrap`, `include`)"
     assert (note.kind, note.message) == ("not_read", sentence)

@@ -110,6 +110,13 @@ def _launch_error(place: Span, message: str, code: str = "launch") -> MarsError:
     return MarsError((Diagnostic(code, "error", message, place, help=help_text),))
 
 
+def _root_name(node: ast.expr) -> str | None:
+    """Return the first name of `a.b.c`, or None if it does not begin with a name."""
+    while isinstance(node, ast.Attribute):
+        node = node.value
+    return node.id if isinstance(node, ast.Name) else None
+
+
 class _LaunchReader(Evaluator):
     """Reads the actions that a launch file builds."""
 
@@ -118,11 +125,21 @@ class _LaunchReader(Evaluator):
         self.handling: set[ast.AST] = set()
         self.nodes = tuple(ast.walk(tree))
         self.imported: set[str] = set()
+        modules: set[str] = set()
         for node in self.nodes:
             if isinstance(node, ast.ImportFrom):
                 self.called.update((n.asname, n.name) for n in node.names if n.asname)
                 if (node.module or "").partition(".")[0] not in _LAUNCH_PACKAGES:
                     self.imported.update(n.name for n in node.names)
+            elif isinstance(node, ast.Import):
+                roots = ((n.asname, n.name.partition(".")[0]) for n in node.names)
+                modules |= {alias or root for alias, root in roots if root not in _LAUNCH_PACKAGES}
+        calls = (node.func for node in self.nodes if isinstance(node, ast.Call))
+        self.imported |= {
+            each.attr
+            for each in calls
+            if isinstance(each, ast.Attribute) and _root_name(each) in modules
+        }
         readings = tuple(self.readings(tree))
         found, *others = dict.fromkeys(actions for actions, _ in readings)
         if others:
