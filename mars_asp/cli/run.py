@@ -222,11 +222,14 @@ def _print_plan(
 
 def _write_report(trial: "Trial", judgement: "Judgement", arguments: argparse.Namespace) -> None:
     from mars_asp.cli.run_report import replay_seen_from, report_page
+    from mars_asp.execution.judgement import reasons_of
     from mars_asp.execution.recording.picture import plot_run
 
     replay = arguments.replay and replay_seen_from(arguments.report, arguments.replay)
     result, title = run_json(trial, judgement), _title(trial.scenario)
-    page = report_page(result, plot_run(trial, judgement), title, replay)
+    found = reasons_of(trial, losses=False)
+    reasons = [(each.message, f"{span.path}:{span.line}") for each, span in found]
+    page = report_page(result, plot_run(trial, judgement), title, replay, reasons)
     write_file(arguments.report, page)
 
 

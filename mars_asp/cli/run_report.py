@@ -23,10 +23,17 @@ _VERDICTS: Mapping[str, tuple[str, str, bool | None]] = {
 }
 
 
-def report_page(run: Mapping[str, Any], picture: str, title: str, replay: str | None) -> str:
+def report_page(
+    run: Mapping[str, Any],
+    picture: str,
+    title: str,
+    replay: str | None,
+    reasons: Sequence[tuple[str, str]] = (),
+) -> str:
     """Return an HTML report of a run; `run` is its JSON, `replay` a link to its replay or None.
 
-    The report runs no script and fetches nothing.
+    `reasons` are the effects of Gates, locks and limits, each with its line. The report runs no
+    script and fetches nothing.
     """
     style, page = (
         (files("mars_asp.cli") / f"run_report.{each}").read_text("utf-8")
@@ -38,7 +45,7 @@ def report_page(run: Mapping[str, Any], picture: str, title: str, replay: str | 
         verdict=_verdict(run),
         summary=_html_text(_summary(run)),
         replay=f'<p><a href="{escape(replay)}">Play it</a></p>' if replay else "",
-        sections="\n".join(_sections(run)),
+        sections="\n".join((*_sections(run), *_aside(reasons))),
         picture=picture,
     )
     return whole_page(title, style, body)
@@ -102,6 +109,10 @@ def _sections(run: Mapping[str, Any]) -> Iterator[str]:
         for each in run["failures"]
     ]
     yield from _html_table("Failures", ("behaviour", "", ""), failures)
+
+
+def _aside(reasons: Sequence[tuple[str, str]]) -> Iterator[str]:
+    yield from _html_table("Gates, locks and limits", ("", "line"), reasons)
 
 
 def _robot_cells(robot: Mapping[str, Any], seconds: float) -> tuple[str, ...]:

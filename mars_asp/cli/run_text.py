@@ -124,7 +124,7 @@ def print_reasons(trial: "Trial", *, losses: bool) -> None:
 
     found = reasons_of(trial, losses=losses)
     if found:
-        print("\nkept back" if losses else "\nGates and locks")
+        print("\nkept back" if losses else "\nGates, locks and limits")
     for reason, span in found:
         text = f"{reason.message}  [{reason.rule.id}] {span.path}:{span.line}"
         print("\n".join(wrapped(visible(text), columns(sys.stdout), "  ", _BELOW_WINNER)))

@@ -70,6 +70,15 @@ def made(**keys: Any) -> dict[str, Any]:
     }
 
 
+def test_a_report_has_the_effects_of_side_lines(tmp_path: Path) -> None:
+    robot = Path(LEVEL1).parent / "twist_robot"
+    words = f"run {robot}/robot.mars --scenario {robot}/scenario.toml --quiet"
+    run(f"mars-asp {words} --report out.html", tmp_path)
+    *_, message, place = Page((tmp_path / "out.html").read_text("utf-8")).top.all("td")
+    assert "had been silent for 0.5 s" in message.text
+    assert place.text == f"{robot}/mux.mars:7"
+
+
 def test_no_text_of_others_becomes_markup() -> None:
     known = made(
         requirements=[{"name": HOSTILE, "holds": None, "message": HOSTILE}],
@@ -77,7 +86,7 @@ def test_no_text_of_others_becomes_markup() -> None:
         control=[{"seconds": 0, "node": HOSTILE, "holder": HOSTILE, "why": HOSTILE}],
         failures=[{"name": HOSTILE, "count": 2, "seconds": 0.5, "first": HOSTILE}],
     )
-    text = report_page(known, "", HOSTILE, HOSTILE)
+    text = report_page(known, "", HOSTILE, HOSTILE, [(HOSTILE, HOSTILE)])
     names = {each.name for each in Page(text).top.all()}
     assert not names & {"img", "script"}
     assert "\u202e" not in text.replace(escape(HOSTILE), "")
