@@ -421,7 +421,7 @@ def _split_location(arguments: argparse.Namespace) -> None:
 
 
 def _is_part(path: str, text: str) -> bool:
-    """Whether a file is no robot by itself: a source, or YAML that no mux can have."""
+    """Whether a file only belongs to a robot: a source, or YAML that is not a mux."""
     form = recognised(text)
     if form != "twist_mux":
         return form == "mars" and is_other_file(path, text)
