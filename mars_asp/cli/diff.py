@@ -124,9 +124,8 @@ def _causes(change: Change[Any]) -> Iterator[str]:
         # A list of controllers is several relationships in one line.
         for path, line, text in dict.fromkeys((s.path, s.line, line_at(s)) for s in spans):
             yield visible(f"    {sign} {path}:{line}: {text}")
-    now = "applies now" if change.new is not None else "applied before"
     for path, line, text in dict.fromkeys((s.path, s.line, line_at(s)) for s in change.unchanged):
-        yield visible(f"    = {path}:{line}: {text}  (unchanged, {now})")
+        yield visible(f"    = {path}:{line}: {text}  (unchanged, with another effect)")
 
 
 def _cost_line(found: Difference) -> Iterator[str]:

@@ -24,6 +24,11 @@ VIOLATION = Signature("violation", 2)
 PREFERENCE = Signature("preference", 3)
 #: Lower numbers are built-in clauses.
 FIRST_CLAUSE = 100
+#: Predicates whose reasons show no path, but only which output a name means.
+MEANINGS = (
+    *(Signature(name, 2) for name in ("sends", "aside_sort", "sort_of_end", "sort_of_trigger")),
+    *(Signature("goes_by", 3), Signature("with_side_lines", 0)),
+)
 
 
 def kinds_of(rule: Rule) -> frozenset[str] | None:

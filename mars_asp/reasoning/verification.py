@@ -34,7 +34,7 @@ from mars_asp.reasoning.facts.descriptions import description_facts, instance_fa
 from mars_asp.reasoning.facts.ends import ends_of_specification
 from mars_asp.reasoning.facts.identifiers import numbered
 from mars_asp.reasoning.facts.vocabulary import given_in
-from mars_asp.reasoning.findings import FIRST_CLAUSE, VIOLATION
+from mars_asp.reasoning.findings import FIRST_CLAUSE, MEANINGS, VIOLATION
 from mars_asp.reasoning.project import Project, project_facts
 from mars_asp.reasoning.synthesis.line_inputs import state_inputs
 from mars_asp.reasoning.synthesis.synthesise import costs_of
@@ -46,11 +46,6 @@ _DIFFERS_AT = "differs_at"
 _CONVERTERS = frozenset({"converts"})
 #: The prefix of the predicates of facts about a specification.
 _OF_SPECIFICATION = "spec_"
-#: Predicates whose reasons show no path, but only which output a name means.
-_MEANINGS = (
-    *(Signature(name, 2) for name in ("sends", "aside_sort", "sort_of_end", "sort_of_trigger")),
-    *(Signature("goes_by", 3), Signature("with_side_lines", 0)),
-)
 #: The rule is about the side line that its first argument identifies, and cites no location.
 _COMMANDS_ASIDE = Signature("aside_commands", 2)
 
@@ -223,7 +218,7 @@ def _with_lines(
 
     def located(violation: Violation) -> Violation:
         places: dict[Span, None] = dict.fromkeys(violation.locations)
-        for step in steps_of(traces[violation.head], _MEANINGS) if not places else ():
+        for step in steps_of(traces[violation.head], MEANINGS) if not places else ():
             if isinstance(step, Given) and step.span is not None:
                 places[step.span] = None
             elif isinstance(step, Derived) and step.rule.derives(_COMMANDS_ASIDE):

@@ -8,7 +8,7 @@ after it, differs as well; otherwise the same text has another effect in each co
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import zip_longest
@@ -19,14 +19,15 @@ import clingo
 from mars_asp.asp.solve.atoms import Atom, Fact
 from mars_asp.asp.solve.term_ids import as_term
 from mars_asp.asp.trace import Trace
-from mars_asp.asp.trace.text import leaves_of, steps_of
-from mars_asp.asp.trace.tree import Absent
+from mars_asp.asp.trace.text import steps_of
+from mars_asp.asp.trace.tree import Absent, Given
 from mars_asp.diagnostic import Span, point
 from mars_asp.language.print import print_transformation
 from mars_asp.model.transformation import normalized
 from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.facts.compile import FRAMES, NOWHERE
 from mars_asp.reasoning.facts.rates import Rates
+from mars_asp.reasoning.findings import MEANINGS
 from mars_asp.reasoning.launch_trees import STAGE, analyse_trees
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.blame import reasons
@@ -38,6 +39,8 @@ from mars_asp.reasoning.synthesis.synthesise import Synthesis
 from mars_asp.reasoning.verification import mount_tuples
 
 How: TypeAlias = Literal["appeared", "vanished", "changed"]
+#: How the predicates of relationships begin, whose first argument is an identifier.
+_VERBS = ("is_", "uses_data_from")
 #: The facts of a line, without the identifiers of one file.
 _LineFacts: TypeAlias = tuple[str, ...]
 #: Returns the lines of a file by its path, or none if they are not known.
@@ -176,7 +179,20 @@ class _Side:
         self.analysis, self.synthesis = evidence.analysis, reasoner.synthesis
         self.explainer = evidence.explainer
         project = reasoner.project
-        self.lines = _facts_by_span((*reasoner.facts, *_unread_values(project)), project.rates)
+        facts = (*reasoner.facts, *_unread_values(project))
+        #: Each fact with its text and relationship, without identifiers, which are of one file.
+        self.texts_of: dict[str, tuple[str, str]] = {}
+        #: The locations of each relationship, and the relationships at each location.
+        self.places: dict[str, set[Span]] = {}
+        self.relationships: dict[Span, set[str]] = {}
+        for fact, of, text in _comparable(facts, project.rates):
+            self.texts_of[str(fact.atom)] = of, text
+            if of:
+                self.places.setdefault(of, set()).add(fact.span)
+                self.relationships.setdefault(fact.span, set()).add(of)
+        #: How often a fact is stated here more often than on the other side.
+        self.surplus: Counter[tuple[str, str]] = Counter()
+        self.lines = _facts_by_span(facts, project.rates)
         self.texts = _Texts(self.lines, lines_of)
         self.changed: frozenset[Span] = frozenset()
         #: Lines of both sides with another effect here.
@@ -194,6 +210,7 @@ class _Side:
             if span != NOWHERE and any(left[item] < items[item] for item in items):
                 changed.append(span)
             left.subtract(items)
+        self.surplus = Counter(self.texts_of.values()) - Counter(other.texts_of.values())
         self.shown = self.texts.differing(changed, other.texts)
         self.changed = frozenset(self.shown)
         self.unchanged = frozenset(changed) - self.changed
@@ -201,6 +218,20 @@ class _Side:
     def cited(self, spans: Iterable[Span]) -> set[Span]:
         """Return the differing lines among some locations."""
         return {self.shown[span] for span in spans if span in self.shown}
+
+    def given(self, trace: Trace) -> set[Span]:
+        """Return the locations of the differing facts on which a trace rests."""
+        facts = (step for step in steps_of(trace, MEANINGS) if isinstance(step, Given))
+        return {
+            fact.span
+            for fact in facts
+            if fact.span is not None and self.surplus[self.texts_of.get(fact.atom, ("", ""))]
+        }
+
+    def stated_otherwise(self, there: Set[Span], other: "_Side") -> set[Span]:
+        """Return the locations here of the relationships that the other side has at some."""
+        both = (of for span in there for of in other.relationships.get(span, ()))
+        return {span for of in both for span in self.places.get(of, ())}
 
     def consequences(self) -> Iterator[_DiffEntry[Consequence]]:
         for c in self.analysis.consequences:
@@ -322,10 +353,22 @@ def _unread_values(project: Project) -> Iterator[Fact]:
 
 
 def _facts_by_span(facts: Iterable[Fact], rates: Rates) -> Mapping[Span, _LineFacts]:
-    """Return the facts at each location, without identifiers and with exact rates."""
+    """Return the facts at each location, as texts that can be compared with another file's."""
+    entries: dict[Span, list[str]] = {}
+    for fact, _, text in _comparable(facts, rates):
+        entries.setdefault(fact.span, []).append(text)
+    return {span: tuple(sorted(words)) for span, words in entries.items()}
+
+
+def _comparable(facts: Iterable[Fact], rates: Rates) -> Iterator[tuple[Fact, str, str]]:
+    """Yield facts with their relationship, "" if of none, and text: exact rates, no identifiers."""
     facts = tuple(facts)
     identifiers = {f.atom.arguments[0] for f in facts if f.atom.name == "place"}
-    entries: dict[Span, list[str]] = {}
+    of = {
+        fact.atom.arguments[0]: " ".join(map(str, (fact.atom.name, *fact.atom.arguments[1:])))
+        for fact in facts
+        if fact.atom.name.startswith(_VERBS)
+    }
     for fact in facts:
         if fact.atom.name in _OBSERVED:
             continue
@@ -334,8 +377,8 @@ def _facts_by_span(facts: Iterable[Fact], rates: Rates) -> Mapping[Span, _LineFa
         if fact.atom.name in _RATES and isinstance(rest[-1], int):
             rest[-1] = str(Fraction(rates.hertz(rest[-1])))
         words = map(str, rest if numbered else (first, *rest))
-        entries.setdefault(fact.span, []).append(f"{fact.atom.name}({','.join(words)})")
-    return {span: tuple(sorted(words)) for span, words in entries.items()}
+        of_line = of.get(first, "") if numbered else ""
+        yield fact, of_line, f"{fact.atom.name}({','.join(words)})"
 
 
 def _changes(
@@ -349,11 +392,14 @@ def _changes(
         old_lines: set[Span] = set()
         new_lines: set[Span] = set()
         if gone is not None:
-            old_lines |= _given(old_traces[gone.atom]) | {*gone.spans}
+            old_lines |= before.given(old_traces[gone.atom]) | {*gone.spans}
             new_lines |= _preventing(old_traces[gone.atom], after)
         if come is not None:
-            new_lines |= _given(new_traces[come.atom]) | {*come.spans}
+            new_lines |= after.given(new_traces[come.atom]) | {*come.spans}
             old_lines |= _preventing(new_traces[come.atom], before)
+        # A relationship that only gained or lost a detail is shown as it was and as it is.
+        old_lines |= before.stated_otherwise(new_lines, after)
+        new_lines |= after.stated_otherwise(old_lines, before)
         unchanged = new_lines & after.unchanged or old_lines & before.unchanged
         yield Change(
             how,
@@ -423,16 +469,11 @@ def _others(
     return found
 
 
-def _given(trace: Trace) -> set[Span]:
-    """Return the locations of the facts on which a trace rests."""
-    return {leaf.span for leaf in leaves_of(trace) if leaf.span is not None}
-
-
 def _preventing(trace: Trace, other: _Side) -> set[Span]:
     """Return the lines that give the other side the atoms that are absent in a trace."""
     patterns = {step.atom for step in steps_of(trace) if isinstance(step, Absent)}
     atoms = {symbol for pattern in sorted(patterns) for symbol in other.matching(pattern)}
     found: set[Span] = set()
     for reason in other.explainer.why(sorted(atoms)).values():
-        found |= _given(reason)
+        found |= other.given(reason)
     return found
