@@ -22,7 +22,7 @@ from mars_asp.cli.inputs import (
 from mars_asp.cli.limits import seconds_to_search
 from mars_asp.cli.progress import progress_bar, stage
 from mars_asp.cli.selection import Selection, add_selection
-from mars_asp.diagnostic import Diagnostic, MarsError
+from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 from mars_asp.language import print_configuration
 from mars_asp.language.relocate import sources_seen_from
 from mars_asp.model.declarations import (
@@ -91,6 +91,9 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         text = specification_text(printed, project, arguments)
     write_result(arguments.output, text)
+    if selected.has_errors and arguments.output != "-":
+        message = "written, though the configuration has errors"
+        report([Diagnostic("errors", "note", message, whole_file(arguments.output))], arguments)
     if not found.resolution.proven:
         print(
             f"mars-asp: best found, {found.cost(NODES)} nodes; lower bound {found.bound(NODES)}",

@@ -24,9 +24,10 @@ from mars_asp.cli.inputs import (
 from mars_asp.cli.lines import located_lines, location_json, rule_location_json
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.wrapping import columns, wrapped
-from mars_asp.diagnostic import Span
+from mars_asp.diagnostic import Diagnostic, Span
 from mars_asp.model.declarations import NODE_NAMES, Configuration, Module
 from mars_asp.output import visible
+from mars_asp.reasoning.analysis import findings
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.rules import by_name
@@ -53,7 +54,8 @@ class SpecificationComparison:
     """The cost of a specification and the minimal cost, by name; None if the time limit ended it.
 
     `fault` reports a contradiction: a specification that costs less than the minimal one. Packs
-    cause it (`of_packs`) if they introduce nodes that none of their rules requires.
+    cause it (`of_packs`) if they introduce nodes that none of their rules requires. `errors` are
+    those of the configuration, which every specification has as well.
     """
 
     cost: Mapping[str, int] | None
@@ -62,6 +64,7 @@ class SpecificationComparison:
     in_time: bool
     fault: str | None = None
     of_packs: bool = False
+    errors: tuple[Diagnostic, ...] = ()
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -103,6 +106,7 @@ def run(arguments: argparse.Namespace) -> int:
         return misuse("verify", "SPEC comes first, then its CONFIG")
     verification, compared = judge_wiring(specification, modules, project, arguments)
     violations = verification.violations
+    report(compared.errors, arguments)
     print_result(
         arguments,
         lambda: verification_json(verification, compared),
@@ -251,7 +255,9 @@ def _compare(
         )
     more = list(cost.values()) > list(least.values())
     minimal = not more if proven else False if more and written.proven else None
-    return SpecificationComparison(cost, least, minimal, in_time=minimal is not None)
+    errors = tuple(each for each in findings(analysis) if each.severity == "error")
+    in_time = minimal is not None
+    return SpecificationComparison(cost, least, minimal, in_time, errors=errors)
 
 
 def _minimality(compared: SpecificationComparison) -> str:
