@@ -218,6 +218,7 @@ def rule_or_kind_text(name: str, arguments: argparse.Namespace) -> str | None:
             return None
         near = nearest(name, known)
         advice = f"did you mean `{near}`?" if near else "`mars-asp rules list` lists the rules"
+        advice += f"; a module of a robot comes after its file: `mars-asp explain FILE {name}`"
         raise refusal("usage", f"there is no file, kind or rule `{name}`", name, advice)
     as_json = arguments.format == "json"
     return encoded(shown_json(rulebook, name)) if as_json else safe(shown(rulebook, name))

@@ -123,8 +123,10 @@ def print_reasons(trial: "Trial", *, losses: bool) -> None:
     from mars_asp.execution.judgement import reasons_of
 
     found = reasons_of(trial, losses=losses)
-    if found:
-        print("\nkept back" if losses else "\nGates, locks and limits")
+    if losses:
+        print("\nkept back" if found else "\nno Gate kept anything back")
+    elif found:
+        print("\nGates, locks and limits")
     for reason, span in found:
         text = f"{reason.message}  [{reason.rule.id}] {span.path}:{span.line}"
         print("\n".join(wrapped(visible(text), columns(sys.stdout), "  ", _BELOW_WINNER)))

@@ -387,7 +387,9 @@ class Selection:
         ends = sorted(each for each in names if each.rpartition("/")[2] == name)
         near = ends[0] if ends else nearest(name, names)
         advice = "`mars-asp rules list` names them all, and --rules adds more"
-        if near is not None:
+        if name == "ALL":
+            advice = "leave out --select, and all are reported"
+        elif near is not None:
             advice = f"did you mean `{near}`?"
         return Diagnostic(code, severity, f"no rule finds `{name}`", span, help=advice)
 

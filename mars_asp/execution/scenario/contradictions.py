@@ -36,7 +36,8 @@ def contradictions(tables: Mapping[str, Any], wrong: Iterable[Mistake]) -> Itera
     yield from _contradictory_links(sound.get("links", ()), duration)
     for name, device in sound.get("devices", {}).items():
         for number, entry_message, help_text in _misplaced(device.get("script", ()), duration):
-            yield Mistake(("devices", name, "script", number), entry_message, help_text)
+            message = f"the script of `{name}` has {entry_message}"
+            yield Mistake(("devices", name, "script", number), message, help_text)
     yield from _shapeless(sound.get("world", {}))
     if scatter := sound.get("world", {}).get("scatter"):
         # Do not compare with an invalid count.
@@ -108,7 +109,7 @@ def _misplaced(script: Sequence[Any], duration: float) -> Iterator[tuple[int, st
     timed = [(number, entry[0]) for number, entry in enumerate(script) if entry is not None]
     for (_, before), (number, at) in pairwise(timed):
         if at <= before:
-            message = f"an entry at {at:g} s follows one at {before:g} s"
+            message = f"an entry at {at:g} s after one at {before:g} s"
             yield number, message, "list the entries by their times"
     for number, at in timed:
         if at > duration:

@@ -228,7 +228,7 @@ class _Side:
             if fact.span is not None and self.surplus[self.texts_of.get(fact.atom, ("", ""))]
         }
 
-    def stated_otherwise(self, there: Set[Span], other: "_Side") -> set[Span]:
+    def counterparts(self, there: Set[Span], other: "_Side") -> set[Span]:
         """Return the locations here of the relationships that the other side has at some."""
         both = (of for span in there for of in other.relationships.get(span, ()))
         return {span for of in both for span in self.places.get(of, ())}
@@ -398,8 +398,8 @@ def _changes(
             new_lines |= after.given(new_traces[come.atom]) | {*come.spans}
             old_lines |= _preventing(new_traces[come.atom], before)
         # A relationship that only gained or lost a detail is shown as it was and as it is.
-        old_lines |= before.stated_otherwise(new_lines, after)
-        new_lines |= after.stated_otherwise(old_lines, before)
+        old_lines |= before.counterparts(new_lines, after)
+        new_lines |= after.counterparts(old_lines, before)
         unchanged = new_lines & after.unchanged or old_lines & before.unchanged
         yield Change(
             how,

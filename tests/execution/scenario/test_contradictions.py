@@ -63,12 +63,12 @@ kind = "joystick"
 script = [
   [0, "Trans_Z", 1],
   [2, "release"],
-  ^[1, "Trans_Z", 1],  # an entry at 1 s follows one at 2 s
-  ^[1, "Rotn_Y", 1],  # an entry at 1 s follows one at 1 s
+  ^[1, "Trans_Z", 1],  # the script of `Late` has an entry at 1 s after one at 2 s
+  ^[1, "Rotn_Y", 1],  # the script of `Late` has an entry at 1 s after one at 1 s
   ^[3, "let go"],  # an entry of `script` must be `[second, function, rate]`
   ^[-1, "release"],  # an entry of `script` must be `[second, function, rate]`
   [10, "release"],
-  ^[10.5, "release"],  # an entry at 10.5 s, and the run ends at 10 s
+  ^[10.5, "release"],  # the script of `Late` has an entry at 10.5 s, and the run ends at 10 s
 ]
 [bindings]
 ^Arm.period = 3  # `Arm` has a binding and a device
