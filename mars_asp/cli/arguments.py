@@ -7,7 +7,7 @@ import re
 import sys
 import textwrap
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from copy import copy
 from functools import cache
 from importlib.resources import files
@@ -29,6 +29,8 @@ _WRITING = frozenset(
 )
 #: The minimal similarity of proposed options; dashes make any two a little alike.
 _ALIKE = 0.7
+#: Shorter words abbreviate no option.
+_SHORTEST = len("--c")
 #: Verbs are short: `clean` is not `can`.
 _ALIKE_VERB = 0.78
 #: The formats of a command's result; a command with others has its own `RESULT_FORMATS`.
@@ -115,6 +117,12 @@ class Parser(argparse.ArgumentParser):
         #: The command of which help is shown, and the names of its common options.
         self.command: str | None = None
         self.common = ""
+        self._words: Sequence[str] = ()
+
+    def parse_known_intermixed_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse words as argparse does, and keep them for the message of an error."""
+        self._words = args or ()
+        return super().parse_known_intermixed_args(args, namespace)
 
     def fill_help(self, *tables: str) -> None:
         """Set the help of each argument from tables of `help.toml`, unless it has one."""
@@ -169,18 +177,21 @@ class Parser(argparse.ArgumentParser):
         from mars_asp.cli.wrapping import columns, wrapped
         from mars_asp.output import visible
 
-        unknown = re.match(r"unrecognized arguments: (-[^\s=]*)", message)
         names = {name for action in self.options() for name in action.option_strings}
+        if message.startswith("the following arguments are required"):
+            message = self._misspelt(names) or message
+        unknown = re.match(r"unrecognized arguments: (-[^\s=]*)", message)
         word = unknown[1] if unknown else ""
         # A short option may have its value attached, as in `-Tpng`.
         near = word and (self.meant(word) or self.meant(word[:2]))
-        near = near or nearest(word, sorted(names - _WRITING), _ALIKE)
+        near = near or _near_option(word, names - _WRITING)
         choice = re.search(r"invalid choice: '(.*)' \(choose from (.*)\)$", message)
         word, advised = choice[1] if choice else word, help_texts()["advice"]
         advice = advised.get(f"{self.command} {word}") or advised.get(word)
         if choice:
             known = re.findall(r"'([^']*)'", choice[2])
             near = self.meant(choice[1]) or nearest(choice[1], known)
+            near = f"mars-asp {near}" if near == choice[1] else near
             argument = re.match(r"argument ([A-Z]+):", message)
             takes_files = any(each.dest == "files" for each in self.positionals())
             if argument and takes_files and os.path.exists(choice[1]):  # noqa: PTH110 -- no error
@@ -192,9 +203,23 @@ class Parser(argparse.ArgumentParser):
         lines = wrapped(whole, columns(sys.stderr), "", "  ")
         self.exit(USAGE, "\n".join([*lines, ""]))
 
+    def _misspelt(self, names: Set[str]) -> str | None:
+        """Return the error of the first word that looks like an unknown option, or None."""
+        given = (word.partition("=")[0] for word in self._words if re.match("--?[a-z]", word))
+        wrong = (word for word in given if word not in names and word[:2] not in names)
+        return next((f"unrecognized arguments: {word}" for word in wrong), None)
+
     def _print_message(self, message: str, file: "SupportsWrite[str] | None" = None) -> None:
         """Write a message, and raise OSError if that fails; argparse would ignore the error."""
         (file or sys.stderr).write(message)
+
+
+def _near_option(word: str, names: Set[str]) -> str | None:
+    """Return the option that a word abbreviates, or that is similar to it apart from dashes."""
+    begun = sorted(name for name in names if len(word) > _SHORTEST and name.startswith(word))
+    known = {name.lstrip("-"): name for name in sorted(names)}
+    near = nearest(word.lstrip("-"), known, _ALIKE)
+    return begun[0] if len(begun) == 1 else None if near is None else known[near]
 
 
 class _Formatter(argparse.HelpFormatter):
@@ -255,7 +280,7 @@ def ordered(words: Sequence[str]) -> list[str]:
             at += 1
             continue
         if name not in takes:
-            near = parser.meant(name) or nearest(name, (*takes, "--help"), _ALIKE)
+            near = parser.meant(name) or _near_option(name, {*takes, "--help"})
             parser.error(
                 f"unknown option `{words[at]}`{f': did you mean `{near}`?' if near else ''}"
             )

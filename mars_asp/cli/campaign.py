@@ -20,7 +20,7 @@ from mars_asp.cli.progress import live_line
 from mars_asp.cli.schemas import add_schema, schema_text
 from mars_asp.cli.suggested_commands import command
 from mars_asp.cli.trials import scenario_text, specified
-from mars_asp.diagnostic import Diagnostic, MarsError, refusal
+from mars_asp.diagnostic import Diagnostic, MarsError, refusal, whole_file
 
 if TYPE_CHECKING:
     from mars_asp.cli.campaign_runner import Job, RunOutcome
@@ -253,7 +253,7 @@ def _finish(
     from mars_asp.cli.campaign_table import print_table
     from mars_asp.execution.campaign.journal import whole_text
     from mars_asp.execution.campaign.picture import campaign_picture
-    from mars_asp.execution.campaign.summary import cells, share_passed, summary_json
+    from mars_asp.execution.campaign.summary import are_equal, cells, share_passed, summary_json
 
     results = [each.result for each in ended]
     summary = summary_json(results, lambda result: _command(result, arguments))
@@ -271,6 +271,11 @@ def _finish(
             print(json.dumps(summary))
     elif not streamed or not arguments.quiet:
         print_table(results, summary["worst"], sys.stderr if streamed else sys.stdout)
+    if are_equal(results):
+        message = "nothing in this scenario is drawn from the seed: all its runs are equal"
+        advice = "scatter obstacles, give sensors a `sigma` or links a `loss`, or run it once"
+        place = whole_file(arguments.scenario)
+        report([Diagnostic("campaign", "warning", message, place, help=advice)], arguments)
     passed = share_passed(results)
     return int(passed.held < passed.of)
 

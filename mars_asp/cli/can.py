@@ -1,11 +1,14 @@
 """Report whether a robot can do something, or several things at one time, and why."""
 
 import argparse
+import os.path
+import shlex
 import sys
 from collections.abc import Iterator
 
 from mars_asp.asp.trace.document import TraceDocument
 from mars_asp.cli.account import account_json, explanation_lines
+from mars_asp.cli.arguments import misuse
 from mars_asp.cli.diagnostic_text import colours, paint
 from mars_asp.cli.encode import print_result
 from mars_asp.cli.inputs import add_file, read_project, report_reading, rulebook_for
@@ -23,6 +26,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the answer; return 1 if it is no."""
+    path, query = arguments.files[0], arguments.query
+    if os.path.exists(query) and not os.path.exists(path):  # noqa: PTH110 -- never raises
+        words = shlex.join((query, path))
+        return misuse("can", f"the query comes after the file: mars-asp can {visible(words)}")
     project = read_project(arguments, quietly=True)
     answer = capability(project, rulebook_for(arguments, ("can", "account")), arguments.query)
     report_reading(project, arguments)

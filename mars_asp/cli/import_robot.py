@@ -1,6 +1,8 @@
 """Read a robot from another format and print it as a configuration."""
 
 import argparse
+import os.path
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -12,12 +14,24 @@ from mars_asp.cli.lines import remember
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, refusal
 from mars_asp.exchange.foreign import READERS, ForeignFile, read_foreign
+from mars_asp.exchange.recognise import recognised
 from mars_asp.language import Parsed, print_configuration
-from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_bytes
+from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_bytes, read_text
 from mars_asp.model.declarations import Configuration
 from mars_asp.model.graph import LaunchTree
+from mars_asp.output import visible
 
 _FORMATS = tuple(READERS)
+
+
+class _FormatOrFile(tuple[str, ...]):
+    """The formats, or any path: the content of most files shows their format."""
+
+    def __contains__(self, word: object) -> bool:
+        if super().__contains__(word) or word == STANDARD_INPUT:
+            return True
+        path = str(word)
+        return re.search(r"[./]", path) is not None or os.path.exists(path)  # noqa: PTH110
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -26,8 +40,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "origin",
         metavar="FORMAT",
         nargs="?",
-        choices=_FORMATS,
-        help=f"{', '.join(f'`{each}`' for each in _FORMATS[:-1])} or `{_FORMATS[-1]}`",
+        choices=_FormatOrFile(_FORMATS),
+        help=f"{', '.join(f'`{each}`' for each in _FORMATS[:-1])} or `{_FORMATS[-1]}` "
+        "(default: by the content of FILE); alone, the formats are listed",
     )
     parser.add_argument("files", metavar="FILE", nargs="*")
     add_launch(parser, default="the only launch file")
@@ -40,6 +55,18 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.origin is None:
         print("\n".join(_FORMATS))
         return 0
+    if arguments.origin not in _FORMATS:
+        first = arguments.origin
+        if arguments.files and arguments.files[-1] in _FORMATS:
+            return misuse("import", "FORMAT comes before the files")
+        if first == STANDARD_INPUT:
+            return misuse("import", "name the format of standard input: mars-asp import FORMAT -")
+        arguments.files.insert(0, first)
+        is_folder = Path(first).is_dir()
+        arguments.origin = "ros2" if is_folder else recognised(read_text(Path(first)))
+        if arguments.origin == "mars":
+            message = f"the format of `{visible(first)}` is not known by its content"
+            return misuse("import", f"{message}: mars-asp import FORMAT FILE")
     if not arguments.files:
         return misuse("import", f"name the files: mars-asp import {arguments.origin} FILE")
     check_inputs(*arguments.files)

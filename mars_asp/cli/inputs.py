@@ -4,6 +4,7 @@ import argparse
 import os
 import re
 from collections.abc import Collection, Iterator, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -34,6 +35,7 @@ from mars_asp.reasoning.project import (
     with_kinds,
 )
 from mars_asp.reasoning.rules import brought_by, load_rulebook
+from mars_asp.spelling import nearest
 
 if TYPE_CHECKING:
     from mars_asp.exchange.folders import FolderRobots
@@ -56,6 +58,10 @@ ROBOTS = (
 JUDGING = ("resolve", "launch")
 #: The arguments of commands that may name the first input.
 _FILES = ("files", "file", "old", "specification")
+#: More notes on reading than these are counted beside an answer, not printed.
+_FEW_NOTES = 3
+#: Of a missing file, so many names beside it are compared, and one this similar is proposed.
+_MOST_NAMES, _ALIKE = 1000, 0.7
 #: A message names at most so many robots of a folder.
 _MOST_NAMED = 10
 #: The name of standard input in locations.
@@ -144,7 +150,10 @@ def read_project(
         _print_settings(arguments, Path(path).parent)
     path, *further = (only_robot(arguments, each) for each in (path, *further))
     project = load(arguments, path, text, further)
-    if not quietly:
+    if not quietly and sum(each.severity == "note" for each in project.diagnostics) > _FEW_NOTES:
+        read = argparse.Namespace(**vars(arguments) | {"files": [path, *further]})
+        report_reading(project, read)
+    elif not quietly:
         report((*project.diagnostics, *one_of_several(project)), arguments)
     return project
 
@@ -243,6 +252,8 @@ def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None
         return ForeignFile(path, "", "ros2")
     if text is None and (package := package_named(path)) is not None:
         raise MarsError([unreadable(path, "no such file", f"the package is in `{package}`")])
+    if text is None and not os.path.lexists(path) and (near := _file_like(path)) is not None:
+        raise MarsError([unreadable(path, "no such file", f"did you mean `{near}`?")])
     if text is None:
         # A pipe can be read only once.
         streamed: dict[str, str] = vars(arguments).setdefault("streamed", {})
@@ -271,6 +282,15 @@ def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None
             help_text = f"name its workspace, `{workspace}`"
         raise refusal("unreadable", message, path, help_text)
     return ForeignFile(path, text, format)
+
+
+def _file_like(path: str) -> str | None:
+    """Return the robot of `.mars` beside a missing path whose name is similar, or None."""
+    folder, name = os.path.split(path)
+    stem, suffix = os.path.splitext(name)  # noqa: PTH122 -- as it was written
+    beside = (each.stem for each in islice(Path(folder).glob("*.mars"), _MOST_NAMES))
+    near = nearest(stem, beside, _ALIKE) if suffix == ".mars" else None
+    return None if near is None else os.path.join(folder, near + suffix)  # noqa: PTH118
 
 
 def package_named(path: str) -> Path | None:

@@ -216,9 +216,10 @@ def rule_or_kind_text(name: str, arguments: argparse.Namespace) -> str | None:
     if name not in known:
         if "." in name or package_named(name) is not None:
             return None
-        near = nearest(name, known)
-        advice = f"did you mean `{near}`?" if near else "`mars-asp rules list` lists the rules"
-        advice += f"; a module of a robot comes after its file: `mars-asp explain FILE {name}`"
+        # A rule without metadata has its place for an id, and nothing to say.
+        near = nearest(name, (each for each in known if ":" not in each))
+        advice = f"did you mean `{near}`? A" if near else "`mars-asp rules list` lists the rules; a"
+        advice += f" module of a robot comes after its file: `mars-asp explain FILE {name}`"
         raise refusal("usage", f"there is no file, kind or rule `{name}`", name, advice)
     as_json = arguments.format == "json"
     return encoded(shown_json(rulebook, name)) if as_json else safe(shown(rulebook, name))
@@ -258,6 +259,8 @@ def _misused(action: str, what: str | None, arguments: argparse.Namespace) -> st
         wanted = "the name of the new pack" if action == "new" else "the folder of a PACK"
         return f"`{action}` needs {wanted}"
     if action == "list" and what:
+        if Path(what).exists():
+            return f"`list` takes no name; `rules list --rules {visible(what)}` adds a pack"
         return f"`list` takes no name; `rules show {visible(what)}` shows what has that name"
     if arguments.fix and (action != "lint" or not (arguments.rules or what)):
         return "`--fix` has an effect only on `lint` with a pack"

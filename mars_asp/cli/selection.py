@@ -385,7 +385,9 @@ class Selection:
             return Diagnostic(code, severity, message, span, help="it is always reported: fix it")
         names = self._known_names | self._launch_names
         ends = sorted(each for each in names if each.rpartition("/")[2] == name)
-        near = ends[0] if ends else nearest(name, names)
+        # A kind is written with `_`, the rule of that name may be one of several.
+        kind = name.replace("-", "_")
+        near = kind if kind in names else ends[0] if ends else nearest(name, names)
         advice = "`mars-asp rules list` names them all, and --rules adds more"
         if name == "ALL":
             advice = "leave out --select, and all are reported"

@@ -98,7 +98,7 @@ def test_the_help_of_a_verb_shows_its_example(name: str, capsys: Captured) -> No
         (["explain", "a.mars", "--only", "node"], "did you mean `--only nodes`?"),
         (["facts", "a.mars", "--format", "json"], "invalid choice: 'json' (choose from 'text'): f"),
         (["diff", "a.mars", "b.mars", "--exit-code"], "the status is 1 where an error appeared;"),
-        (["rules", "test", "pack"], "did you mean `test`?"),
+        (["rules", "test", "pack"], "did you mean `mars-asp test`?"),
         (
             ["synthesise", "a.mars", "--alternatives"],
             "`mars-asp explain FILE --alternatives` lists",
@@ -126,7 +126,13 @@ def test_the_help_of_a_verb_shows_its_example(name: str, capsys: Captured) -> No
         (["", "check"], "there is no command ``"),
         (["analyse"], "the following arguments are required: FILE"),
         (["check", "x", "--memory-limit", "0"], "`0` must be a positive number"),
-        (["import", FIGURE, "ros2"], "FORMAT comes before the files"),
+        (["import", "twistmux", "x"], "did you mean `twist_mux`?"),
+        (["run", "a.mars", "--scenari", "x"], "--scenari: did you mean `--scenario`?"),
+        (["campaign", "a.mars", "-s", "x"], "-s: did you mean `--scenario`?"),
+        (["run", "a.mars", "--set", "x=3"], "--set: did you mean `--vary`?"),
+        (["test", "--cov"], "--cov: did you mean `--coverage`?"),
+        (["synthesise", "a.mars", "--release"], "unrecognized arguments: --release; see"),
+        (["topic", "list"], "did you mean `explain WORKSPACE TOPIC`?"),
     ],
 )
 def test_suggestions_for_misspelt_words(words: list[str], message: str, capsys: Captured) -> None:
@@ -136,6 +142,22 @@ def test_suggestions_for_misspelt_words(words: list[str], message: str, capsys: 
     assert message in " ".join(shown.err.split())
     assert "?;" not in shown.err
     assert "`--fix`" not in shown.err and "`--write" not in shown.err
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["import", FIGURE, "ros2"], "FORMAT comes before the files"),
+        (["import", "-"], "name the format of standard input"),
+        (["import", FIGURE], "is not known by its content: mars-asp import FORMAT FILE"),
+        (["rules", "list", "tests"], "`rules list --rules tests` adds a pack"),
+        (["can", "Rotn_Y of A", FIGURE], "the query comes after the file: mars-asp can "),
+        (["explain", "guard_bypas"], "did you mean `guard_bypass`? A module of a robot"),
+    ],
+)
+def test_words_in_the_wrong_place(words: list[str], message: str, capsys: Captured) -> None:
+    assert run_here(words) == 2
+    assert message in " ".join(capsys.readouterr().err.split())
 
 
 def test_each_meaning_of_a_word_of_other_tools_is_a_word_of_this_one() -> None:

@@ -650,6 +650,18 @@ def test_wrong_values_of_options_go_to_standard_error(words: list[str], capsys: 
     assert output.out == "" and output.err.startswith("mars-asp: error: ")
 
 
+def test_of_a_missing_file_a_similar_one_is_proposed(
+    tmp_path: Path, monkeypatch: Patch, capsys: Captured
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a").mkdir()
+    Path("a/robot.mars").touch()
+    assert run_here(["check", "a/robt.mars"]) == 2
+    assert "a/robt.mars: no such file (did you mean `a/robot.mars`?)" in capsys.readouterr().out
+    assert run_here(["check", "a/x.mars"]) == 2
+    assert "did you mean" not in capsys.readouterr().out
+
+
 def test_an_error_without_a_line_names_its_file_once(robots: Path, capsys: Captured) -> None:
     assert run_here(["check", "nope.mars"]) == 2
     assert capsys.readouterr().out == "mars-asp: error: nope.mars: no such file\n"

@@ -101,6 +101,17 @@ def cells(results: Iterable[_Result]) -> list[Cell]:
     return [cell_of(group[0]["vary"], group) for group in groups.values()]
 
 
+def are_equal(results: Iterable[_Result]) -> bool:
+    """Whether the runs with the same varied values differ in their seeds alone, some at least."""
+    groups: dict[str, list[str]] = {}
+    for result in results:
+        rest = {key: value for key, value in result.items() if key != "seed"}
+        cell = json.dumps(result["vary"], sort_keys=True)
+        groups.setdefault(cell, []).append(json.dumps(rest, sort_keys=True))
+    several = [group for group in groups.values() if len(group) > 1]
+    return bool(several) and all(len(set(group)) == 1 for group in several)
+
+
 def cell_of(vary: Mapping[str, Any], results: Sequence[_Result]) -> Cell:
     """Return the shares, quantiles and warnings of the runs with the values `vary`."""
     return Cell(

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mars_asp.execution.campaign.summary import Share, cells, summary_json, worst
+from mars_asp.execution.campaign.summary import Share, are_equal, cells, summary_json, worst
 
 Z = 1.959963984540054
 
@@ -45,6 +45,14 @@ def result(seed: int, verdict: str, vary: Any = None, **more: Any) -> dict[str, 
     judged = [{"name": "r", "holds": holds}, {"name": "always", "holds": True}]
     run = {"seed": seed, "verdict": verdict, "vary": vary or {}, "requirements": judged}
     return {**run, "control_time": {}, **more}
+
+
+def test_runs_are_equal_if_only_their_seeds_differ() -> None:
+    equal = [result(seed, "pass", {"x": x}) for x in (1, 2) for seed in (1, 2)]
+    assert are_equal(equal)
+    assert not are_equal([*equal, result(3, "fail", {"x": 2})])
+    assert not are_equal([result(1, "pass", {"x": x}) for x in (1, 2)])
+    assert not are_equal([])
 
 
 def test_undecided_runs_are_not_counted_for_their_requirement() -> None:
