@@ -51,6 +51,17 @@ def rulebook_of(stage: str) -> Rulebook:
     return load_rulebook(stages=() if stage == "base" else (stage,))
 
 
+def symbols_of(head: ast.AST) -> Sequence[clingo.Symbol]:
+    """Return the atoms of a fact, of which an interval has several."""
+    try:
+        return [clingo.parse_term(str(head))]
+    except RuntimeError:
+        control = clingo.Control()
+        control.add("base", [], f"{head}.")
+        control.ground()
+        return [atom.symbol for atom in control.symbolic_atoms]
+
+
 def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Symbol]] | None:
     """Return an explainer of a case and its true atoms; `None` where nothing answers it."""
     stage = next(iter(stages_of(case)), stage)
@@ -63,7 +74,7 @@ def explainer_of(case: Path, stage: str) -> tuple[Explainer, frozenset[clingo.Sy
             begin, end = statement.location.begin, statement.location.end
             path = str(case.relative_to(ROOT))
             place = Span(path, begin.line, begin.column, end.line, end.column)
-            given.append(Fact(atom_of(clingo.parse_term(str(statement.head))), place))
+            given.extend(Fact(atom_of(each), place) for each in symbols_of(statement.head))
 
     ast.parse_string(text, note)
     stages = ("base",) if stage in CHOOSING else dict.fromkeys(("base", stage))
