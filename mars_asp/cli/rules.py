@@ -14,6 +14,7 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.arguments import add_flags, misuse
 from mars_asp.cli.diagnostic_text import Suggestion, report
 from mars_asp.cli.encode import encoded
+from mars_asp.cli.fmt import unified_diff
 from mars_asp.cli.input_codes import InputCode, input_codes
 from mars_asp.cli.inputs import package_named, rulebook_for
 from mars_asp.cli.rules_document import (
@@ -165,13 +166,15 @@ def _suggestions(found: LintResult, arguments: argparse.Namespace) -> dict[Diagn
 
 
 def _mended(found: LintResult) -> int:
-    """Write the safe fixes of lints into the files; return the number of fixed findings."""
+    """Write the safe fixes of lints into the files and print them; return how many there are."""
     texts: dict[str, bytes] = {}
     count = 0
     for path in dict.fromkeys(fix.span.path for each in found.lints for fix in each.fixes):
-        text, mended = fixed(Path(path).read_text(encoding="utf-8"), path, found.lints)
+        before = Path(path).read_text(encoding="utf-8")
+        text, mended = fixed(before, path, found.lints)
         texts[path] = text.encode()
         count += mended
+        print(safe(unified_diff(path, before, text)), end="")
     replace_together(texts)
     return count
 

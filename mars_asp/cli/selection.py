@@ -389,8 +389,12 @@ class Selection:
         kind = name.replace("-", "_")
         near = kind if kind in names else ends[0] if ends else nearest(name, names)
         advice = "`mars-asp rules list` names them all, and --rules adds more"
+        # One of several would be a guess, and select nothing that is meant.
+        parts = sorted(each for each in names if name in each and "/" not in each)
         if name == "ALL":
             advice = "leave out --select, and all are reported"
+        elif len(parts) > 1 and near != kind:
+            advice = f"did you mean {' or '.join(f'`{each}`' for each in parts)}?"
         elif near is not None:
             advice = f"did you mean `{near}`?"
         return Diagnostic(code, severity, f"no rule finds `{name}`", span, help=advice)

@@ -239,7 +239,7 @@ class _Teller:
         path = self._paths.get(span.path)
         if path is None:
             path = self._paths[span.path] = _shown_path(span.path)
-        return f"{path}:{span.line}"
+        return f"{path}:{span.line}" if span.line else path
 
     def _quotations(self, quoted: Mapping[tuple[object, ...], Sequence[Given]]) -> list[_Quoted]:
         found = []

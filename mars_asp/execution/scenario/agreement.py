@@ -61,7 +61,7 @@ def _unknown_name(
         help_text = f"it runs in parts: {', '.join(parts)}"
         return Diagnostic("scenario", "error", message, place, (), help_text)
     # A misspelt key of `--vary` would have no effect.
-    if place == CHANGED:
+    if place.path.startswith(CHANGED.path):
         help_text = suggestion(name, modules, f"one of {', '.join(sorted(modules))}")
         return Diagnostic("scenario", "error", message, place, (), help_text)
     advice = suggestion(name, left, None)

@@ -9,7 +9,15 @@ from typing import Any
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, whole_file
 from mars_asp.execution.scenario.contradictions import contradictions
 from mars_asp.execution.scenario.schema import mistakes
-from mars_asp.execution.scenario.vary import CHANGED, UNCHANGED, Changes, changed, switched_off
+from mars_asp.execution.scenario.vary import (
+    CHANGED,
+    UNCHANGED,
+    Changes,
+    changed,
+    key_path,
+    switched_off,
+    written_change,
+)
 from mars_asp.execution.simulator.body import planar_functions
 from mars_asp.language.parse import decode, read_bytes
 from mars_asp.language.toml_text import Places, read_tables
@@ -93,7 +101,13 @@ def read_scenario(text: str, path: Path, changes: Changes = UNCHANGED) -> Scenar
         raise MarsError(problems)
     written, tables = tables, changed(tables, changes)
 
+    paths = {key: key_path(key) for key in changes}
+
     def placed(*path: str | int) -> Span:
+        words = tuple(map(str, path))
+        for key, of in paths.items():
+            if words == of[: len(words)] or of == words[: len(of)]:
+                return whole_file(f"{CHANGED.path} {written_change(key, changes[key])}")
         return where.of(*path) if _stands(written, path) else CHANGED
 
     places = {key: placed("requirements", key) for key in tables.get("requirements", ())}

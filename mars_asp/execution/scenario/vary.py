@@ -66,7 +66,7 @@ def read_axes(texts: Iterable[str]) -> tuple[Axis, ...]:
     axes: dict[tuple[str, ...], Axis] = {}
     for text in texts:
         axis = read_axis(text)
-        if axes.setdefault(_path(axis.key), axis) is not axis:
+        if axes.setdefault(key_path(axis.key), axis) is not axis:
             raise _variation_error(
                 f"`{axis.key}` is varied twice", "give all values at once: KEY=A,B"
             )
@@ -86,7 +86,7 @@ def read_axis(text: str) -> Axis:
     if key.count(".") > _MOST_PARTS:
         raise _variation_error(f"`{key}` has more than {_MOST_PARTS} parts", _HELP)
     try:
-        path = _path(key)
+        path = key_path(key)
         if path[0] == MODULES:
             values = [word.strip() for word in written.split(",")]
         else:
@@ -148,7 +148,7 @@ def _toml_string(text: str) -> str:
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
-def _path(key: str) -> tuple[str, ...]:
+def key_path(key: str) -> tuple[str, ...]:
     """Return the parts of a dotted key.
 
     Raises:
@@ -176,7 +176,7 @@ def changed(tables: dict[str, Any], changes: Changes) -> dict[str, Any]:
     wrong: list[Mistake] = []
     places: dict[tuple[str | int, ...], str] = {}
     for key, value in changes.items():
-        path, switch = _path(key), None
+        path, switch = key_path(key), None
         if path[0] == MODULES:
             if value == ON:
                 continue
@@ -198,7 +198,7 @@ def changed(tables: dict[str, Any], changes: Changes) -> dict[str, Any]:
 def switched_off(changes: Changes) -> Iterator[str]:
     """Yield the names of the modules that are switched off."""
     for key, value in changes.items():
-        path = _path(key)
+        path = key_path(key)
         if path[0] == MODULES and value == OFF:
             yield path[1]
 

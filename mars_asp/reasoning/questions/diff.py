@@ -235,7 +235,10 @@ class _Side:
 
     def consequences(self) -> Iterator[_DiffEntry[Consequence]]:
         for c in self.analysis.consequences:
-            key = (c.kind, c.subject, c.severity)
+            # A warning is known by its participants, as in a baseline; a note about more of them is
+            # the same note.
+            known = () if c.severity == "note" else c.participants
+            key = (c.kind, c.subject, c.severity, *known)
             spans = set(c.spans) if c.kind in _OF_SIDE_LINES else ()
             of_lines = sorted(
                 " ".join(fact for fact in self.lines.get(span, ()) if fact.startswith(_SIDE_LINES))
