@@ -498,7 +498,7 @@ def test_zeros_have_no_sign() -> None:
     exported = export_urdf(configuration, {m.name: m for m in configuration.declared})
     assert not re.search(r"-0(\.0)?[ \"]", exported)
     assert "@Rotn_Z 0 5" in print_configuration(configuration)
-    negative = exported.replace('"0.0 0.0 0.005"', '"-0.0 -0 0.005"').replace('"0.0"', '"-0.0"')
+    negative = exported.replace('"0 0 0.005"', '"-0.0 -0 0.005"').replace('"0"', '"-0.0"')
     assert negative != exported
     assert not re.search(r"-0(\.0)?[ ,)\n]", print_configuration(imported(negative)))
 
