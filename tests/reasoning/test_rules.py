@@ -121,6 +121,8 @@ TOGETHER = (
     "lifted(X, M, P, C)",
     "element(M, I, L, R)",
     "leaf(M, R - R', K)",
+    "leaf(divided(X), R - R', K)",
+    "run_includes(W, M, 0, K)",
     "consequence(type_mismatch, warning, X, types(K, K'))",
     "control_input(R, B, inherited(M))",
     "heard_as(M, I, L, V)",
