@@ -1,6 +1,5 @@
 """The rule cases of `tests/rules`: facts and expected answer sets in one file."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -148,34 +147,20 @@ WITHOUT_A_CASE = (
     "absent(loose_end, X, fed_somehow)",
     "cites(loose_end,X,fed_somehow,R)",
 )
-#: Beginnings of further rules without one of the two cases. The exhaustive search, the judge and
-#: the simulation of `synthesis/test_side_lines.py` and `execution/test_timeline.py` use them. The
-#: list may only shrink.
-SIDE_LINES_WITHOUT_A_CASE = tuple(
-    (ROOT / "tests/rules/side_lines_without_a_case.txt").read_text(encoding="utf-8").splitlines()
-)
 LISTS_WITHOUT_A_CASE = {
     "absence/checks/may-be-meant:lines",
     "absence/ports/fed-somehow:lines2",
 }
 
 
-def _begins(start: str) -> Callable[[str], bool]:
-    return lambda text: text.startswith(start)
-
-
 def test_every_rule_fires_in_one_case_and_narrowly_fails_in_another(rulebook: Rulebook) -> None:
     """A new rule needs two cases in `tests/rules`: see `mars_asp/asp/cases/coverage.py`."""
     # Accounts need whole configurations: `tests/accounts` uses each of their rules.
     found = covered(rulebook, [rule for rule in rulebook.rules if rule.stage != STAGE])
-    known = (*WITHOUT_A_CASE, *SIDE_LINES_WITHOUT_A_CASE)
-    silent = [rule for rule in found.silent if not rule.text.startswith(known)]
+    silent = [rule for rule in found.silent if not rule.text.startswith(WITHOUT_A_CASE)]
     never_near = [
-        rule for rule in found.never_near if not rule.text.startswith((*TOGETHER, *known))
+        rule for rule in found.never_near if not rule.text.startswith((*TOGETHER, *WITHOUT_A_CASE))
     ]
-    missed = [rule.text for rule in (*found.silent, *found.never_near)]
-    kept = [each for each in SIDE_LINES_WITHOUT_A_CASE if not any(map(_begins(each), missed))]
-    assert not kept, f"these have their cases now, drop them from the list:\n{kept}"
     assert any(rule.text.startswith(WITHOUT_A_CASE) for rule in found.silent)
     assert not silent, f"no case in tests/rules fires:\n{places(silent)}"
     assert not never_near, f"no case lets one premise alone fail:\n{places(never_near)}"

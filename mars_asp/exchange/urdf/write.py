@@ -61,8 +61,8 @@ def export_urdf(configuration: Configuration, modules: Mapping[str, Module]) -> 
             ElementTree.SubElement(joint, "child", link=child)
             if carried and parent == body.carrier[name]:
                 pose = body.placement[name]
-                xyz = " ".join(_number(float(length) / 1000) for length in pose[:3, 3])
-                rpy = " ".join(_number(angle) for angle in roll_pitch_yaw(pose[:3, :3]))
+                xyz = " ".join(_number_text(float(length) / 1000) for length in pose[:3, 3])
+                rpy = " ".join(_number_text(angle) for angle in roll_pitch_yaw(pose[:3, :3]))
                 ElementTree.SubElement(joint, "origin", xyz=xyz, rpy=rpy)
             if function:
                 _add_motion(joint, function)
@@ -70,7 +70,7 @@ def export_urdf(configuration: Configuration, modules: Mapping[str, Module]) -> 
     return ElementTree.tostring(robot, encoding="unicode") + "\n"
 
 
-def _number(value: float) -> str:
+def _number_text(value: float) -> str:
     """Return a number without the rounding of products: 2, not 1.9999999999999993."""
     return f"{value + 0.0:.15g}"
 
@@ -171,7 +171,7 @@ def _add_motion(joint: ElementTree.Element, function: Function) -> None:
             limits[key] = str(open_[key])
         else:
             # Adding zero takes the sign of a zero away.
-            limits[key] = _number(math.radians(value) if turns else float(value) / 1000)
+            limits[key] = _number_text(math.radians(value) if turns else float(value) / 1000)
     if joint.get("type") == "continuous":
         del limits["lower"], limits["upper"]
     ElementTree.SubElement(joint, "limit", limits)
