@@ -16,14 +16,12 @@ demo: $(VENV)/installed
 	@echo "== the command is $(BIN)/mars-asp: $(BIN)/mars-asp check PATH judges your robot"
 
 test: $(VENV)/installed-dev
-	@echo "== making tables of the grammar and our rules"
-	@$(BIN)/python hatch_build.py
 	@echo "== ruff"
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
-	@$(BIN)/mars-asp fmt --check examples docs
-	@echo "== pytest, and mypy beside it"
+	@echo "== making tables of the grammar and our rules, then pytest, and mypy beside them"
 	@$(BIN)/mypy & types=$$!; \
+		$(BIN)/python hatch_build.py && $(BIN)/mars-asp fmt --check examples docs && \
 		$(BIN)/python -m pytest; tests=$$?; \
 		wait $$types && exit $$tests
 

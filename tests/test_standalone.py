@@ -4,7 +4,6 @@ gives with the configuration, from any folder."""
 import json
 import os
 import random
-import re
 from pathlib import Path
 
 import pytest
@@ -218,7 +217,7 @@ def test_a_missing_folder_is_reported(tmp_path: Path, capsys: Captured) -> None:
     path = tmp_path / "config.mars"
     path.write_text("@configuration\n@modules A\n")
     assert run_here(["synthesise", str(path), "-o", str(tmp_path / "none" / "spec.mars")]) == 2
-    assert re.search(r"none/spec\.mars.*No such file", capsys.readouterr().err)
+    assert "there is no folder" in " ".join(capsys.readouterr().err.split())
 
 
 @pytest.mark.parametrize("seed", range(60))
