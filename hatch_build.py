@@ -11,7 +11,7 @@ beside it.
 import hashlib
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from importlib.metadata import version as version_of
 from pathlib import Path
 from tempfile import mkdtemp
@@ -60,10 +60,10 @@ class TablesHook(BuildHookInterface[Any]):
         if version == "editable":
             update()
             return
-        folder = BESIDE
-        if not is_current():
-            folder = Path(mkdtemp())
-            write(folder)
+        folder = Path(mkdtemp())
+        write(folder, beside() if is_current() else tables())
+        # Beside the sources are the cases themselves.
+        write(folder, example_tables())
         for path in folder.iterdir():
             build_data["force_include"][str(path)] = f"mars_asp/__tables__/{path.name}"
 
@@ -71,7 +71,11 @@ class TablesHook(BuildHookInterface[Any]):
 def update() -> None:
     """Make the tables beside the sources, unless they are current."""
     if not is_current():
-        write(BESIDE)
+        made = dict(tables())
+        BESIDE.mkdir(exist_ok=True)
+        for path in BESIDE.iterdir():
+            path.unlink()
+        write(BESIDE, made.items())
         DIGEST.parent.mkdir(exist_ok=True)
         DIGEST.write_text(digest())
 
@@ -90,25 +94,26 @@ def digest() -> str:
     return found.hexdigest()
 
 
-def write(folder: Path) -> None:
-    """Write the tables into a folder, and nothing else."""
-    made = dict(tables())
-    folder.mkdir(exist_ok=True)
-    for path in folder.iterdir():
-        path.unlink()
-    for name, content in made.items():
+def write(folder: Path, made: Iterable[tuple[str, bytes]]) -> None:
+    """Write tables into a folder."""
+    for name, content in made:
         (folder / name).write_bytes(content)
 
 
+def beside() -> Iterator[tuple[str, bytes]]:
+    """Yield the name and the file of each table beside the sources."""
+    for path in BESIDE.iterdir():
+        yield path.name, path.read_bytes()
+
+
 def tables() -> Iterator[tuple[str, bytes]]:
-    """Yield the name and the file of each table."""
+    """Yield the name and the file of each table that every installation has."""
     sys.path.insert(0, str(ROOT))
     from mars_asp.asp import cache
     from mars_asp.asp.rules.computed import computations
     from mars_asp.asp.rules.dependencies import dependencies_of
     from mars_asp.asp.rules.premises import premises_of_rule, read_premises
     from mars_asp.asp.rules.statements import constants_of, statements_of
-    from mars_asp.cli.rules_example import table_examples
     from mars_asp.reasoning.facts.vocabulary import given_in
     from mars_asp.reasoning.questions.explain import explain
     from mars_asp.reasoning.rules import STAGES, load_rulebook, seal
@@ -132,7 +137,16 @@ def tables() -> Iterator[tuple[str, bytes]]:
     for project in samples():
         explain(Reasoner(project, rulebook))
     yield from cache.tables()
-    # Of the examples, their sentences are enough: the case is not in the wheel.
+
+
+def example_tables() -> Iterator[tuple[str, bytes]]:
+    """Yield the table of sentences of examples, whose cases are not in the wheel."""
+    sys.path.insert(0, str(ROOT))
+    from mars_asp.asp import cache
+    from mars_asp.cli.rules_example import table_examples
+    from mars_asp.reasoning.rules import STAGES, load_rulebook
+
+    whole = load_rulebook(stages=STAGES)
     cache.forget(BESIDE / "none")
     table_examples(whole)
     yield from (table for table in cache.tables() if table[0] == "examples")
