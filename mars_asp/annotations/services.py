@@ -57,8 +57,10 @@ def read_signature(
     found = tuple(_named_inputs(parameters, overrides))
     inputs = tuple(representation for _, representation in found)
     names = tuple(name for name, _ in found)
-    builtin = [name for name in inputs if name in BUILTIN]
-    if delivers and overrides.output is None and output in BUILTIN:
+    # A lock is a `bool`.
+    unclear = BUILTIN - {"bool"}
+    builtin = [name for name in inputs if name in unclear]
+    if delivers and overrides.output is None and output in unclear:
         builtin.insert(0, output)
     if builtin:
         remarks.append(_builtin(list(dict.fromkeys(builtin))))

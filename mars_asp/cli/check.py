@@ -112,7 +112,17 @@ def run(arguments: argparse.Namespace) -> int:
             report(error.diagnostics, arguments)
             return error.status
         checked, remarks, status = [], [Result(each) for each in error.diagnostics], error.status
+    unwritten = [
+        each
+        for each in remarks
+        if each.diagnostic.span.path == arguments.write_baseline
+        and each.diagnostic.severity == "error"
+        and arguments.format in TEXT_FORMATS
+        and arguments.write_baseline != STANDARD_INPUT
+    ]
+    remarks = [each for each in remarks if each not in unwritten]
     write_report(checked, remarks, arguments, status)
+    report((each.diagnostic for each in unwritten), arguments)
     return status
 
 

@@ -150,12 +150,17 @@ def read_project(
         _print_settings(arguments, Path(path).parent)
     path, *further = (only_robot(arguments, each) for each in (path, *further))
     project = load(arguments, path, text, further)
-    if not quietly and sum(each.severity == "note" for each in project.diagnostics) > _FEW_NOTES:
-        read = argparse.Namespace(**vars(arguments) | {"files": [path, *further]})
-        report_reading(project, read)
-    elif not quietly:
-        report((*project.diagnostics, *one_of_several(project)), arguments)
+    if not quietly:
+        report_project(project, arguments, [path, *further])
     return project
+
+
+def report_project(project: Project, arguments: argparse.Namespace, paths: Sequence[str]) -> None:
+    """Report the messages on reading a project; of many notes only their number."""
+    if sum(each.severity == "note" for each in project.diagnostics) > _FEW_NOTES:
+        report_reading(project, argparse.Namespace(**vars(arguments) | {"files": list(paths)}))
+    else:
+        report((*project.diagnostics, *one_of_several(project)), arguments)
 
 
 def report_reading(project: Project, arguments: argparse.Namespace) -> None:

@@ -77,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
     scenario = bind_kinds(scenario, specification)
     functions = _bound_functions(specification, modules, scenario)
     if arguments.dry_run:
-        is_possible = _fits(specification, modules, scenario, arguments)
+        is_possible = _fits(specification, modules, scenario, functions, arguments)
         return max(_print_plan(functions, scenario, arguments), 0 if is_possible else 2)
     # For programs, the result must not contain the output of modules.
     aside = redirect_stdout(sys.stderr) if arguments.format == "json" else nullcontext()
@@ -144,14 +144,24 @@ def _fits(
     specification: "Configuration",
     modules: "Mapping[str, Module]",
     scenario: "Scenario",
+    functions: "Mapping[str, tuple[Path, str]]",
     arguments: argparse.Namespace,
 ) -> bool:
-    """Print contradictions between scenario and specification; return whether it can be run."""
+    """Print what keeps the specification from running in the scenario; return whether it can."""
+    from mars_asp.execution.executor.executor import unbound
     from mars_asp.execution.executor.plan import Plan
     from mars_asp.execution.parts import in_parts
     from mars_asp.execution.scenario.agreement import disagreements
 
-    found = list(disagreements(Plan(*in_parts(specification, modules), {}), scenario))
+    plan = Plan(*in_parts(specification, modules), {})
+    found = list(disagreements(plan, scenario))
+    spans = {name.text: name.span for name in plan.configuration.modules}
+    run = functions.keys() | scenario.devices.keys()
+    for name in plan.names:
+        kind = plan.kind(name)
+        if kind in ("sensor", "data_out", "control_out") and name not in run:
+            span = spans.get(name, plan.configuration.span)
+            found.append(unbound(name, kind, span, has_inputs=bool(plan.data_in[name])))
     report(found, arguments)
     return all(each.severity != "error" for each in found)
 

@@ -148,13 +148,15 @@ def _snapshot(found: Sequence[FoundCase], rules: list[Path], arguments: argparse
     Raises:
         MarsError: a file is not a robot, or has errors.
     """
-    others = [each.path for each in found if each.path.suffix != SUFFIX]
-    if others or not found:
+    robots = [each for each in found if each.path.suffix == SUFFIX]
+    named = {Path(path) for path in arguments.paths}
+    others = [each.path for each in found if each.path in named and each not in robots]
+    if others or not robots:
         place = str(others[0]) if others else arguments.paths[0]
         advice = "name `.mars` files; facts are updated by --update"
         raise refusal("case", "a snapshot is of a robot", place, advice)
     written = []
-    for each in found:
+    for each in robots:
         text = snapshot(each.path, _rulebook(each.pack, rules, arguments.trust))
         before = each.path.read_bytes()
         written.append((str(each.path), text.encode(), before))

@@ -82,13 +82,16 @@ def _specification(project: "Project", arguments: argparse.Namespace) -> "Config
     """Return the specification in the file or a minimal one; None, with a message, without one."""
     if project.configuration.kind == "specification":
         return project.configuration
-    from mars_asp.reasoning.analysis import findings
+    from mars_asp.cli.selection import Selection
+    from mars_asp.reasoning.analysis import diagnostic
     from mars_asp.reasoning.budget import Budget
     from mars_asp.reasoning.synthesis.synthesise import synthesise
 
     rulebook = rulebook_for(arguments)
     analysis = analyse_project(project, rulebook, arguments)
-    report(findings(analysis), arguments)
+    options = dict.fromkeys(("select", "ignore", "baseline", "write_baseline"))
+    selection = Selection(argparse.Namespace(**vars(arguments) | options), rulebook)
+    report(map(diagnostic, selection.of(project, analysis, notes=False).shown), arguments)
     found = synthesise(project, analysis, rulebook, Budget(arguments.time_limit))
     if found is None:
         report_unrealisable(project.configuration.path, analysis, arguments)

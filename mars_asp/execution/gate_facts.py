@@ -99,8 +99,10 @@ def reasons(trial: Trial, *, losses: bool) -> Iterator[Fact]:
     """Yield facts for what Gates let pass and locks stopped, or for what Gates kept back."""
     plan, numbers = trial.executor.plan, _numbers(trial)
     for gate in _gates(trial):
-        out = plan.data_out[gate.name] or plan.control_out[gate.name]
-        targets = dict.fromkeys(name for link in out for name in plan.targets_of(link))
+        data, commands = plan.data_out[gate.name], plan.control_out[gate.name]
+        targets = dict.fromkeys(name for link in data for name in plan.targets_of(link))
+        # Of a command only the arbiter is certain: another controller may win there.
+        targets |= dict.fromkeys(link.client for link in commands)
         client = " and ".join(targets) or gate.name
         for trigger in gate.triggers:
             number = numbers[trigger.link]

@@ -249,6 +249,10 @@ def _at_work(trial: Trial) -> Iterator[Fact]:
     """Yield facts with the number of runs of each module and of messages at its inputs."""
     executor, plan = trial.executor, trial.executor.plan
     for name, runs in executor.run_counts.items():
+        described = plan.modules.get(name)
+        moves = plan.control_in[name] or (described is not None and described.functions)
+        if name in executor.effectors and not moves:
+            continue  # a part that only carries others
         yield seen("obeyed_commands" if name in executor.effectors else "ran", name, runs)
         if plan.kind(name) in ("data_out", "control_out", "sink"):
             for link in (*plan.data_in[name], *plan.control_in[name]):

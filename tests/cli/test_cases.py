@@ -139,9 +139,9 @@ def test_a_template_passes_its_lint_and_its_cases(
     output = capsys.readouterr().out.splitlines()
     assert output[-4:] == [
         "no problems found",
-        "4 passed, 0 failed",
+        "5 passed, 0 failed",
         "coverage of wheel-slip: 4 of 4 rules fire in a case",
-        "mutants of wheel-slip: 4 of 4 are noticed by a case",
+        "mutants of wheel-slip: 6 of 6 are noticed by a case",
     ]
     held = {path: path.read_bytes() for path in Path("wheel-slip").rglob("*.*")}
     for topic in ("wheel-slip", "../up", "Wheel", "data_cycle", "mars-asp"):
@@ -322,3 +322,14 @@ def test_a_continuation_of_nothing_is_an_error(tmp_path: Path, capsys: Captured)
     assert "`%+` continues nothing" in capsys.readouterr().err
     case.write_text('%+---+\n%= module("A")\nmodule("A").\n#show module/1.\n')
     assert run_here(["test", str(case)]) == 0
+
+
+def test_a_snapshot_of_a_folder_takes_its_robots(
+    tmp_path: Path, monkeypatch: Patch, capsys: Captured
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    run_here(["rules", "new", "wheel-slip"])
+    capsys.readouterr()
+    assert run_here(["test", "wheel-slip", "--snapshot"]) == 0
+    assert capsys.readouterr().out == "wrote wheel-slip/cases/robot.mars\n"
+    assert run_here(["test", "wheel-slip/cases/wheel-slip.lp", "--snapshot"]) == 2

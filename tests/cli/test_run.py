@@ -6,9 +6,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from mars_asp.cli import run_command, run_here
 from tests.support.documents import ROOT
-from tests.support.fixtures import Captured
+from tests.support.fixtures import Captured, Patch
 from tests.support.trials import BASE, DRIVE, HAND
 
 LEVEL0 = ROOT / "examples" / "level0"
@@ -205,3 +207,68 @@ def test_a_plan_of_a_scenario_for_another_robot_is_refused(
     output = capsys.readouterr()
     assert "`Base` is not a module of the specification" in " ".join(output.err.split())
     assert output.out.endswith("nothing was run\n")
+
+
+ROBOT = """\
+@configuration hierarchical
+@modules Sonar, Cruise, Avoid, Joy, Base, Mast
+Sonar is_mounted_on Mast
+Mast is_mounted_on Base
+Cruise uses_data_from Sonar
+Avoid uses_data_from Sonar
+Base is_controlled_by Cruise 1
+Base is_controlled_by Avoid 2
+Base is_controlled_by Joy 3
+Cruise is_suppressed_by Avoid 50
+"""
+WORLD = """\
+duration = 2
+robot = { module = "Base" }
+world.walls = [[[-2000, -2000], [2000, -2000], [2000, 2000], [-2000, 2000], [-2000, -2000]]]
+devices.Sonar = { kind = "sonar", beams = 12 }
+devices.Joy = { kind = "joystick", script = [[0, "Rotn_Y", -45], [1, "release"]] }
+bindings.Cruise.python = "b.py:cruise"
+"""
+
+
+@pytest.fixture
+def suppressed(tmp_path: Path, monkeypatch: Patch) -> Path:
+    """Return the folder of a robot, and of a scenario that does not bind `Avoid`."""
+    monkeypatch.chdir(tmp_path)
+    Path("r.mars").write_text(ROBOT)
+    Path("s.toml").write_text(WORLD)
+    Path("b.py").write_text(
+        "def cruise(r): return ('Trans_Z', 100)\ndef avoid(r): return ('Rotn_Y', 60)\n"
+    )
+    return tmp_path
+
+
+def test_a_suppressed_command_is_said_to_reach_its_arbiter_alone(
+    suppressed: Path, capsys: Captured
+) -> None:
+    """Another controller may win there; a mast that nothing commands is not idle."""
+    with (suppressed / "s.toml").open("a") as scenario:
+        scenario.write('bindings.Avoid.python = "b.py:avoid"\n')
+    assert run_here(["run", "r.mars", "--scenario", "s.toml", "--why", "-q"]) == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "`ArbitrationNode` got a message of `Avoid` at 0 s" in shown
+    assert "`Base` got a message" not in shown
+    assert "priority 2 outranks its line through Gate1 (1)" in shown
+    assert "Mast" not in shown
+
+
+def test_a_dry_run_names_what_nothing_runs(suppressed: Path, capsys: Captured) -> None:
+    assert run_here(["run", "r.mars", "--scenario", "s.toml", "--dry-run"]) == 2
+    error = " ".join(capsys.readouterr().err.split())
+    assert "`Avoid` is not bound (control out)" in error
+    assert "bind `Avoid` to a Python function in the scenario" in error
+
+
+def test_a_run_keeps_quiet_about_what_a_comment_hides(suppressed: Path, capsys: Captured) -> None:
+    (suppressed / "r.mars").write_text(
+        ROBOT.replace("50\n", "300  // mars: ignore[never_released] subsumption\n")
+        + "@module_start\n@module_name Sonar\n@Sense NotifyAtFrequency 10\nRanges scan();\n"
+        + "@module_end\n"
+    )
+    run_here(["run", "r.mars", "--scenario", "s.toml", "-q"])
+    assert "never_released" not in capsys.readouterr().err

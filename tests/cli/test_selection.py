@@ -498,7 +498,7 @@ def test_a_baseline_is_read_or_written_or_renewed(
 def test_no_baseline_is_written_if_a_file_cannot_be_read(folder: Path, capsys: Captured) -> None:
     (folder / "bad.mars").write_text("@configuration\n@modules A,,\n")
     assert run_here(["check", "a.mars", "bad.mars", "--write-baseline", "k.json"]) == 2
-    assert "no baseline was written" in capsys.readouterr().out
+    assert "no baseline was written" in capsys.readouterr().err
     assert not (folder / "k.json").exists()
 
 

@@ -594,3 +594,15 @@ def test_a_document_is_a_file_of_every_verb(tmp_path: Path, capsys: Captured) ->
         assert "plate is_mounted_on base\n" in specified
     assert run_here(["check", str(file), str(other)]) == 2
     assert "is a second document" in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_file_of_xacro_is_refused_once() -> None:
+    joint = '<joint name="{0}" type="fixed"><parent link="a"/><child link="{0}"/>{1}</joint>'
+    origin = '<origin xyz="0 0 ${h}"/>'
+    links = "".join(f'<link name="{name}"/>' for name in "abc")
+    text = f"<robot name='r'>{links}{joint.format('b', origin)}{joint.format('c', origin)}</robot>"
+    with pytest.raises(MarsError) as refused:
+        import_urdf(text, "r.urdf")
+    (found,) = refused.value.diagnostics
+    assert found.message == '`xyz="0 0 ${h}"` is not expanded: this is a file of xacro'
+    assert found.help == "expand it first: `xacro FILE > robot.urdf`"

@@ -67,6 +67,19 @@ def read_document(text: str, path: str) -> UrdfDocument:
     return _UrdfReader(text.split("\n")).document(read_elements(text, path))
 
 
+def _unexpanded(root: XmlElement) -> tuple[XmlElement, str] | None:
+    """Return the first macro or expression of xacro with its text, or None."""
+    left = [root]
+    for element in left:
+        if element.name.startswith("xacro:"):
+            return element, f"the macro `<{element.name}>`"
+        for key, value in element.attributes.items():
+            if "${" in value or "$(" in value:
+                return element, f'`{key}="{value[:_MOST]}"`'
+        left += element.children
+    return None
+
+
 class _UrdfReader:
     """A reader of links and joints that collects all errors of a document."""
 
@@ -80,9 +93,11 @@ class _UrdfReader:
             self.note(
                 root, f"`<{root.name}>` is not a `<robot>`", "a URDF document is one `<robot>`"
             )
-        elif macro := next((c for c in root.children if c.name.startswith("xacro:")), None):
-            message = f"the macro `<{macro.name}>` is not expanded"
-            self.note(macro, message, "expand it first: `xacro FILE > robot.urdf`")
+        elif (found := _unexpanded(root)) is not None:
+            element, written = found
+            message = f"{written} is not expanded: this is a file of xacro"
+            self.note(element, message, "expand it first: `xacro FILE > robot.urdf`")
+            raise MarsError(self.problems)
         links, joints = list(root.named("link")), list(root.named("joint"))
         if not links and not self.problems:
             self.note(root, "the robot has no links", 'write one at least: `<link name="..."/>`')

@@ -311,7 +311,13 @@ class HierarchicalArbitration:
         """Return the reason why an input wins over the others in force."""
         now, own = self.schedule.now, winner.priority
         others = [i for i in self.inputs if i is not winner and i.until > now]
-        lower = [f"{i.name} ({i.link.priority})" for i in others if i.priority < own]
+        # A suppressor takes the place of another controller, also of one that it outranks itself.
+        lower = [
+            f"{i.name if i.name != winner.name else f'its line through {i.link.source}'} "
+            f"({i.link.priority})"
+            for i in others
+            if i.priority < own
+        ]
         equal = [i.name for i in others if i.priority == own]
         lines = [f"priority {own} outranks {listing(lower)}"] if lower else []
         same = "" if self.equal else f" of the same priority {own}"

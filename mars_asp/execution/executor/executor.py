@@ -174,9 +174,14 @@ class Executor:
             elif kind in ("sensor", "data_out", "control_out", "completion") or (
                 kind == "effector" and plan.control_in[name]
             ):
-                problems.append(_unbound(name, kind, span))
+                problems.append(unbound(name, kind, span, has_inputs=bool(plan.data_in[name])))
         problems += [
-            _unbound(c.converter or c.transformer, "converter", spans.get(c.transformer, whole))
+            unbound(
+                c.converter or c.transformer,
+                "converter",
+                spans.get(c.transformer, whole),
+                has_inputs=True,
+            )
             for c in plan.configuration.conversions
             if (c.converter or c.transformer) not in plan.behaviours
         ]
@@ -516,9 +521,11 @@ def _open_input(plan: Plan, link: Link) -> Diagnostic:
     return Diagnostic("ambiguous-input", "error", message, link.span, (), help_text)
 
 
-def _unbound(name: str, kind: str, span: Span) -> Diagnostic:
+def unbound(name: str, kind: str, span: Span, *, has_inputs: bool) -> Diagnostic:
+    """Return the error that nothing runs a module or converter; devices have no inputs."""
     message = f"`{name}` is not bound ({kind.replace('_', ' ')})"
-    help_text = f"bind `{name}` to a device or a Python function in the scenario"
+    what = "a Python function" if has_inputs else "a device or a Python function"
+    help_text = f"bind `{name}` to {what} in the scenario"
     return Diagnostic("unbound", "error", message, span, (), help_text)
 
 

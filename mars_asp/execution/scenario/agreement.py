@@ -27,13 +27,19 @@ def disagreements(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
     robots = [] if unfit else [robot.module for robot in scenario.robots]
     run = {name for name, _ in bound_functions(plan.modules, scenario, plan.names)}
     left = set(modules) - run - scenario.devices.keys() - {*robots}
+    converters = {*converting(plan)}
     for name, device in scenario.devices.items():
-        if name not in modules:
+        if name in converters:
+            message = f"`{name}` is a converter, which no device can be"
+            help_text = "bind it to a Python function under `bindings`"
+            place = scenario.places[f"devices.{name}"]
+            yield Diagnostic("scenario", "error", message, place, (), help_text)
+        elif name not in modules:
             yield _unknown_name("devices", name, modules, left, scenario)
         elif wrong := _unlike(plan, robots, name, device["kind"]):
             place = scenario.places[f"devices.{name}"]
             yield Diagnostic("scenario", "error", wrong[0], place, (), wrong[1])
-    bound = {*modules, *converting(plan)}
+    bound = {*modules, *converters}
     for name, declared in scenario.bindings.items():
         parts = [each for each in modules if each.startswith(f"{name}.")]
         used = [binding_of(each, plan.modules, scenario) for each in parts]
