@@ -243,7 +243,7 @@ def suppressed(tmp_path: Path, monkeypatch: Patch) -> Path:
     return tmp_path
 
 
-def test_a_suppressed_command_is_said_to_reach_its_arbiter_alone(
+def test_a_suppressor_reaches_an_arbiter_where_another_may_win(
     suppressed: Path, capsys: Captured
 ) -> None:
     """Another controller may win there; a mast that nothing commands is not idle."""
@@ -257,14 +257,14 @@ def test_a_suppressed_command_is_said_to_reach_its_arbiter_alone(
     assert "Mast" not in shown
 
 
-def test_a_dry_run_names_what_nothing_runs(suppressed: Path, capsys: Captured) -> None:
+def test_a_dry_run_names_unbound_modules(suppressed: Path, capsys: Captured) -> None:
     assert run_here(["run", "r.mars", "--scenario", "s.toml", "--dry-run"]) == 2
     error = " ".join(capsys.readouterr().err.split())
     assert "`Avoid` is not bound (control out)" in error
     assert "bind `Avoid` to a Python function in the scenario" in error
 
 
-def test_a_run_keeps_quiet_about_what_a_comment_hides(suppressed: Path, capsys: Captured) -> None:
+def test_a_comment_hides_a_warning_of_a_run(suppressed: Path, capsys: Captured) -> None:
     (suppressed / "r.mars").write_text(
         ROBOT.replace("50\n", "300  // mars: ignore[never_released] subsumption\n")
         + "@module_start\n@module_name Sonar\n@Sense NotifyAtFrequency 10\nRanges scan();\n"
