@@ -124,7 +124,7 @@ FILES = {
     "cli": (
         "deliver encode wrapping arguments suggested_commands lines account watch realtime "
         "progress output_files diagnostic_text limits settings input_codes extract excluded "
-        "trace_document schemas worker inputs trials ignores baseline selection results folding "
+        "trace_document schemas worker inputs ignores baseline selection trials results folding "
         "github gitlab junit sarif finding_formats alternatives analyse can "
         "completion draw export facts fmt import_robot winners run_report run_json run_text run "
         "campaign_runner campaign_dask campaign_table campaign synthesise "
