@@ -26,7 +26,8 @@ from mars_asp.spelling import suggestion
 _STAGE = "case"
 #: The beginning of an expectation, as in `expectations.py`.
 _EXPECTED = re.compile(r"(?m)^[ \t]*%(?:[=>~]|(?:only|has|not|case):)")
-_WORD = re.compile(r"[a-z][\w']*")
+#: A name in rules, as a group; a string matches as well, whose words are not names.
+_WORD = re.compile(r'"(?:[^"\\]|\\.)*"|([a-z][\w\']*)')
 _MOST_ANSWERS = 100
 _MOST_MESSAGES = 10_000
 
