@@ -12,6 +12,8 @@ from mars_asp.annotations.types import CALLBACK, representation
 _STATUS = re.compile(
     r"(?:.*::)?(?:Status|StatusCode|ErrorCode|error_code|Result|ReturnCode|esp_err_t)"
 )
+#: Types that are unclear as representations; a lock is a `bool`.
+_UNCLEAR = BUILTIN - {"bool"}
 #: The name of the context of a behaviour in Python, which needs no type.
 _CONTEXT = "ctx"
 
@@ -57,10 +59,8 @@ def read_signature(
     found = tuple(_named_inputs(parameters, overrides))
     inputs = tuple(representation for _, representation in found)
     names = tuple(name for name, _ in found)
-    # A lock is a `bool`.
-    unclear = BUILTIN - {"bool"}
-    builtin = [name for name in inputs if name in unclear]
-    if delivers and overrides.output is None and output in unclear:
+    builtin = [name for name in inputs if name in _UNCLEAR]
+    if delivers and overrides.output is None and output in _UNCLEAR:
         builtin.insert(0, output)
     if builtin:
         remarks.append(_builtin(list(dict.fromkeys(builtin))))

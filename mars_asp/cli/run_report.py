@@ -14,6 +14,8 @@ from mars_asp.output import counted, visible
 
 #: Longer tables are cut, with a note.
 MOST_ROWS = 1_000
+#: The title of the effects of side lines.
+_ASIDE = "Gates, locks and limits"
 _HOLDS = {True: "holds", False: "violated", None: "not decided"}
 #: The class and sign of each verdict, and the state of the requirements that it lists.
 _VERDICTS: Mapping[str, tuple[str, str, bool | None]] = {
@@ -45,7 +47,7 @@ def report_page(
         verdict=_verdict(run),
         summary=_html_text(_summary(run)),
         replay=f'<p><a href="{escape(replay)}">Play it</a></p>' if replay else "",
-        sections="\n".join((*_sections(run), *_aside(reasons))),
+        sections="\n".join((*_sections(run), *_html_table(_ASIDE, ("", "line"), reasons))),
         picture=picture,
     )
     return whole_page(title, style, body)
@@ -109,10 +111,6 @@ def _sections(run: Mapping[str, Any]) -> Iterator[str]:
         for each in run["failures"]
     ]
     yield from _html_table("Failures", ("behaviour", "", ""), failures)
-
-
-def _aside(reasons: Sequence[tuple[str, str]]) -> Iterator[str]:
-    yield from _html_table("Gates, locks and limits", ("", "line"), reasons)
 
 
 def _robot_cells(robot: Mapping[str, Any], seconds: float) -> tuple[str, ...]:

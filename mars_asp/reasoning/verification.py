@@ -209,6 +209,8 @@ def _with_lines(
     rulebook: Rulebook,
 ) -> Verification:
     """Return a verification whose violations have locations: lines of relationships, if any."""
+    if all(each.locations for each in found.violations):
+        return found
     known = GivenFacts((*project_facts(project), *facts), rulebook.declarations)
     explainer = Explainer(rulebook, found.grounding.control, known)
     traces = explainer.why(each.head for each in found.violations if not each.locations)

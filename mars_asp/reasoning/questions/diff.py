@@ -8,7 +8,7 @@ after it, differs as well; otherwise the same text has another effect in each co
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import zip_longest
@@ -23,6 +23,7 @@ from mars_asp.asp.trace.text import steps_of
 from mars_asp.asp.trace.tree import Absent, Given
 from mars_asp.diagnostic import Span, point
 from mars_asp.language.print import print_transformation
+from mars_asp.model.declarations import VERBS
 from mars_asp.model.transformation import normalized
 from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.facts.compile import FRAMES, NOWHERE
@@ -39,8 +40,6 @@ from mars_asp.reasoning.synthesis.synthesise import Synthesis
 from mars_asp.reasoning.verification import mount_tuples
 
 How: TypeAlias = Literal["appeared", "vanished", "changed"]
-#: How the predicates of relationships begin, whose first argument is an identifier.
-_VERBS = ("is_", "uses_data_from")
 #: The facts of a line, without the identifiers of one file.
 _LineFacts: TypeAlias = tuple[str, ...]
 #: Returns the lines of a file by its path, or none if they are not known.
@@ -185,14 +184,16 @@ class _Side:
         #: The locations of each relationship, and the relationships at each location.
         self.places: dict[str, set[Span]] = {}
         self.relationships: dict[Span, set[str]] = {}
+        entries: dict[Span, list[str]] = {}
         for fact, of, text in _comparable(facts, project.rates):
+            entries.setdefault(fact.span, []).append(text)
             self.texts_of[str(fact.atom)] = of, text
             if of:
                 self.places.setdefault(of, set()).add(fact.span)
                 self.relationships.setdefault(fact.span, set()).add(of)
         #: How often a fact is stated here more often than on the other side.
         self.surplus: Counter[tuple[str, str]] = Counter()
-        self.lines = _facts_by_span(facts, project.rates)
+        self.lines = {span: tuple(sorted(texts)) for span, texts in entries.items()}
         self.texts = _Texts(self.lines, lines_of)
         self.changed: frozenset[Span] = frozenset()
         #: Lines of both sides with another effect here.
@@ -302,11 +303,11 @@ class _Texts:
         starts: dict[str, set[int]] = {}
         for span in spans:
             starts.setdefault(span.path, set()).add(span.line)
-        self._facts_by_span = {path: [line.strip() for line in lines_of(path)] for path in starts}
+        self._file_lines = {path: [line.strip() for line in lines_of(path)] for path in starts}
         self._ends: dict[tuple[str, int], int] = {}
         for path, numbers in starts.items():
             ordered = sorted(numbers)
-            ends = [*ordered[1:], len(self._facts_by_span[path]) + 1]
+            ends = [*ordered[1:], len(self._file_lines[path]) + 1]
             self._ends.update(((path, n), end) for n, end in zip(ordered, ends, strict=True))
 
     def differing(self, spans: Iterable[Span], other: "_Texts") -> dict[Span, Span]:
@@ -315,12 +316,12 @@ class _Texts:
         Of repeated lines only the surplus differs. Statements whose lines all occur there are left
         out.
         """
-        left = Counter(line for lines in self._facts_by_span.values() for line in lines)
-        left.subtract(line for lines in other._facts_by_span.values() for line in lines)
+        left = Counter(line for lines in self._file_lines.values() for line in lines)
+        left.subtract(line for lines in other._file_lines.values() for line in lines)
         found: dict[tuple[str, int], int] = {}
         spans = tuple(spans)
         for span in spans:
-            key, lines = (span.path, span.line), self._facts_by_span[span.path]
+            key, lines = (span.path, span.line), self._file_lines[span.path]
             if key in found:
                 continue
             if not lines:
@@ -355,14 +356,6 @@ def _unread_values(project: Project) -> Iterator[Fact]:
             yield Fact(Atom("vertex", (module.name, vertex.number, pose)), vertex.span)
 
 
-def _facts_by_span(facts: Iterable[Fact], rates: Rates) -> Mapping[Span, _LineFacts]:
-    """Return the facts at each location, as texts that can be compared with another file's."""
-    entries: dict[Span, list[str]] = {}
-    for fact, _, text in _comparable(facts, rates):
-        entries.setdefault(fact.span, []).append(text)
-    return {span: tuple(sorted(words)) for span, words in entries.items()}
-
-
 def _comparable(facts: Iterable[Fact], rates: Rates) -> Iterator[tuple[Fact, str, str]]:
     """Yield facts with their relationship, "" if of none, and text: exact rates, no identifiers."""
     facts = tuple(facts)
@@ -370,7 +363,7 @@ def _comparable(facts: Iterable[Fact], rates: Rates) -> Iterator[tuple[Fact, str
     of = {
         fact.atom.arguments[0]: " ".join(map(str, (fact.atom.name, *fact.atom.arguments[1:])))
         for fact in facts
-        if fact.atom.name.startswith(_VERBS)
+        if fact.atom.name in VERBS
     }
     for fact in facts:
         if fact.atom.name in _OBSERVED:

@@ -23,7 +23,6 @@ from mars_asp.model.declarations import (
     verb_of,
     with_source,
 )
-from mars_asp.reasoning.facts.identifiers import numbered
 from mars_asp.reasoning.questions.subject import no_node
 from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis import IntroducedNode
@@ -98,7 +97,6 @@ class _Left:
             for number, line in enumerate(_without(whole.relationships, name), 1)
         ]
         self._lines = {line.line.span: line for line in lines}
-        self._numbered = dict(numbered([line.line for line in lines]))
         self.specification = replace(
             whole,
             modules=tuple(module for module in whole.modules if module.text != name),
