@@ -233,11 +233,16 @@ class _Wiring:
         return found[0] if len(found) == 1 and found[0][0] is not mux else None
 
     def is_contracted(self, mux: Mux) -> bool:
-        """Whether a mux is the only source of commands of one module, which gets its priorities."""
+        """Whether a mux is the only source of commands of one module, which gets its priorities.
+
+        A module that is also a source of the mux would control itself.
+        """
         ends = [each for each in self.ways[mux.output] if self.controlled(each)]
+        sources = {p.node for each in mux.inputs for p in self.published.get(each.topic, ())}
         return (
             len(ends) == 1
             and len(self.controlled(ends[0])) == 1
+            and sources.isdisjoint(self.controlled(ends[0]))
             and not self.heard & set(self.ways[mux.output])
             and ends[0] not in self.published
             and len(self.outputs[ends[0]]) == 1

@@ -300,12 +300,12 @@ class Compiler:
             self.add(span, "names_port", number)
 
     def truths(self) -> None:
-        """Add the representations that a lock hears as they are, if there are locks."""
-        locks = [line for line in self.configuration.relationships if isinstance(line, Lock)]
-        if locks:
+        """Add the representations of truths, if there are locks or Gates, which heed them."""
+        heeding = [r for r in self.configuration.relationships if isinstance(r, Lock | Gating)]
+        if heeding:
             names = set(self.naming.names.canonical.values())
             for name in sorted(name for name in names if name.lower().endswith("bool")):
-                self.add(locks[0].span, "truth", name)
+                self.add(heeding[0].span, "truth", name)
 
     def words(self) -> None:
         """Add the text of each mode together with its rate, once for each."""

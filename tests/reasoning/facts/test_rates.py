@@ -54,9 +54,10 @@ def test_holds_are_compared_with_exact_periods() -> None:
         if hold < 1000 / hz:
             short.add(f"M{number}")
         lines.append(f"M{number} is_controlled_by C{number} 1 hold {hold}")
+        lines.append(f"M{number} is_controlled_by Other")
         sense = f"@DataOut NotifyAtFrequency {written}\nImg f();"
         blocks.append(f"@module_start\n@module_name C{number}\n{sense}\n@module_end")
-    names = ", ".join(f"M{n}, C{n}" for n in range(300))
+    names = ", ".join(["Other", *(f"M{n}, C{n}" for n in range(300))])
     text = "\n".join(["@configuration hierarchical", f"@modules {names}", *lines, *blocks, ""])
     parsed = parse_text(text, "robot.mars")
     assert parsed.configuration is not None
