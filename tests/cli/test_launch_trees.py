@@ -1,6 +1,7 @@
 """Folders with several launch files: how they are chosen, listed, judged and explained."""
 
 import json
+import linecache
 import shutil
 from pathlib import Path
 
@@ -52,6 +53,8 @@ def workspace(tmp_path: Path, monkeypatch: Patch) -> Path:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
     monkeypatch.chdir(tmp_path)
+    # Lines are kept by their paths, which are the same in each test.
+    linecache.clearcache()
     return Path("ws")
 
 
@@ -309,6 +312,49 @@ def test_a_difference_of_workspaces_has_the_findings_of_check(
     for order, how in ((["ws", "two"], "appeared"), (["two", "ws"], "vanished")):
         assert run_here(["diff", *order, "--quiet"]) == 0
         assert f"{how} missing_file: the package `drive` has no" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        (
+            'name="two" ',
+            'name="two"\n   args="--ros-args -r cmd_vel:=other" ',
+            [
+                "vanished",
+                '+ 4: <node pkg="drive" exec="sender" name="two"',
+                '+ 5: args="--ros-args -r cmd_vel:=other" if="$(var second)"/>',
+            ],
+        ),
+        (
+            'default="true"',
+            'default="false"',
+            [
+                "changed",
+                '- 2: <arg name="second" default="true"/>',
+                '+ 2: <arg name="second" default="false"/>',
+            ],
+        ),
+    ],
+)
+def test_a_difference_of_workspaces_has_the_lines_that_were_edited(
+    workspace: Path, capsys: Captured, old: str, new: str, expected: list[str]
+) -> None:
+    Path("ws/src/drive/launch/one.launch.xml").unlink()
+    shutil.copytree(workspace, "two")
+    launch = Path("two/src/drive/launch/both.launch.xml")
+    launch.write_text(launch.read_text().replace(old, new))
+    run_here(["diff", "ws", "two", "--format", "json"])
+    document = json.loads(capsys.readouterr().out)
+    [finding] = document["consequences"]
+    lines = [
+        f"{sign} {each['line']}: {each['text']}"
+        for sign, key in (("-", "removed"), ("+", "added"))
+        for each in finding[key]
+    ]
+    assert [finding["change"], *lines] == expected
+    assert finding["unchanged"]
+    assert {each["line"] for each in finding["added"]} <= {e["line"] for e in document["added"]}
 
 
 def test_folders_are_judged_each_by_itself(workspace: Path, capsys: Captured) -> None:

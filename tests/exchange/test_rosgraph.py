@@ -97,6 +97,17 @@ def test_a_node_does_not_command_itself() -> None:
     assert (line.controlled, line.controller) == ("/base", "/joy")
 
 
+def test_commands_that_come_back_through_a_mux_are_kept() -> None:
+    text = (
+        "/twist_mux\n  Subscribers:\n    /nav_vel: any\n    /joy_vel: any\n"
+        "  Publishers:\n    /cmd_vel: geometry_msgs/msg/Twist\n"
+        "/smoother\n  Subscribers:\n    /cmd_vel: geometry_msgs/msg/Twist\n"
+        "  Publishers:\n    /nav_vel: geometry_msgs/msg/Twist\n"
+    )
+    found = import_rosgraph([(text, "a.txt"), (MUX, "mux.yaml")])
+    assert "control_cycle(/smoother)" in findings_of(found)
+
+
 MUX = """twist_mux:
   ros__parameters:
     topics:

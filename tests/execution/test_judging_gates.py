@@ -83,6 +83,11 @@ ArbitrationNode is_controlled_by C 1
 Gate1 is_controlled_by L
 Gate1 is_inhibited_by S 100
 ArbitrationNode is_limited_by Gate1
+@module_start
+@module_name S
+@Sense NotifyWhenReady
+bool hit();
+@module_end
 """
 LOCKED = DRIVE.replace("C\nP is_controlled_by C", "C, S, ArbitrationNode") + (
     "P is_controlled_by ArbitrationNode\nArbitrationNode is_controlled_by C 1\n"
@@ -102,5 +107,5 @@ def test_a_limiter_without_control_sends_no_commands_to_modules() -> None:
     # A suppressor with a Gate of its own sends commands to modules.
     lines = BOUNDED.replace("Gate1\nP", "Gate1, Gate2\nP").splitlines()
     lines[3:4] = ["ArbitrationNode is_controlled_by Gate2 1", "Gate2 is_controlled_by C"]
-    lines[-1] = "Gate2 is_suppressed_by Gate1 50"
+    lines[lines.index("ArbitrationNode is_limited_by Gate1")] = "Gate2 is_suppressed_by Gate1 50"
     assert {*speakers(trial(devices, "\n".join(lines)))} == {"C", "L"}

@@ -1,7 +1,7 @@
 """A URDF document: its links and joints, or all its errors at once."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import TypeAlias
@@ -47,12 +47,13 @@ class UrdfJoint:
 
 @dataclass(frozen=True, slots=True)
 class UrdfDocument:
-    """Names of links and joints in the order of the document; the joints make trees of the links.
+    """Links and joints in the order of the document; the joints make trees of the links.
 
-    `unread` are the other elements of the robot, such as `ros2_control`.
+    `links` maps the name of each link to its location, and `unread` are the other elements of the
+    robot, such as `ros2_control`.
     """
 
-    links: tuple[str, ...]
+    links: Mapping[str, Span]
     joints: tuple[UrdfJoint, ...]
     unread: tuple[Unread, ...] = ()
 
@@ -110,7 +111,7 @@ class _UrdfReader:
             raise MarsError(self.problems)
         others = (each for each in root.children if each.name not in _READ)
         return UrdfDocument(
-            tuple(each.attributes["name"] for each in links),
+            {each.attributes["name"]: each.span for each in links},
             read,
             tuple(Unread("elements besides links and joints", e.name, e.span) for e in others),
         )

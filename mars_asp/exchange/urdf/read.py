@@ -70,12 +70,11 @@ def import_urdf(text: str, path: str) -> Parsed:
         if module.functions or module.vertices:
             described.append(module)
     inserted = set(movers.values())
-    between = [p.module.name for p in placed if p.module.name in inserted]
-    here = whole_file(path)
+    between = [Name(p.module.name, p.module.span) for p in placed if p.module.name in inserted]
     configuration = Configuration(
         path,
-        here,
-        modules=tuple(Name(name, here) for name in (*links.values(), *between)),
+        whole_file(path),
+        modules=(*(Name(links[name], at) for name, at in document.links.items()), *between),
         relationships=tuple(mounts),
         declared=tuple(described),
     )

@@ -98,6 +98,9 @@ def _unlike(plan: Plan, robots: Sequence[str], name: str, device: str) -> tuple[
         source = plan.data_in[name][0].source
         message = f"`{name}` uses data from `{source}`, and a {device} has no inputs"
         return message, f"bind `{name}` to a function"
+    if device != "joystick" and plan.control_out[name]:
+        message = f"`{name}` sends commands, and a {device} measures"
+        return message, f"describe `{name}` with `@Sense`, or bind it to a function"
     return None
 
 

@@ -32,6 +32,7 @@ from mars_asp.reasoning.findings import MEANINGS
 from mars_asp.reasoning.launch_trees import STAGE, analyse_trees
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.blame import reasons
+from mars_asp.reasoning.questions.diff_trees import TreeLines
 from mars_asp.reasoning.questions.unrealised import unrealised
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Reasoner
@@ -138,8 +139,8 @@ def diff(old: Reasoner, new: Reasoner, lines_of: LinesOf = lambda _: ()) -> Diff
         found = _changes(before, after, before.consequences(), after.consequences())
         consequences = _blamed(tuple(found), before, after)
     return Difference(
-        tuple(sorted(set(after.shown.values()))),
-        tuple(sorted(set(before.shown.values()))),
+        after.differing,
+        before.differing,
         consequences,
         tuple(_changes(before, after, before.nodes(), after.nodes())) if both else (),
         before.synthesis,
@@ -169,6 +170,8 @@ class _Side:
 
     def __init__(self, reasoner: Reasoner, lines_of: LinesOf, is_launched: bool) -> None:
         self.findings: Sequence[Consequence] = ()
+        self.tree_lines = TreeLines(reasoner.project, lines_of)
+        self.is_launched = is_launched
         if is_launched:
             self.findings = analyse_trees(
                 reasoner.project, load_rulebook(stages=(STAGE,))
@@ -200,6 +203,8 @@ class _Side:
         self.unchanged: frozenset[Span] = frozenset()
         #: For a changed annotation with equal text, the first line after it that differs.
         self.shown: dict[Span, Span] = {}
+        #: All lines that the other side lacks.
+        self.differing: tuple[Span, ...] = ()
 
     def compare(self, other: "_Side") -> None:
         """Find the lines that the other side lacks; of repeated lines, the surplus."""
@@ -215,6 +220,9 @@ class _Side:
         self.shown = self.texts.differing(changed, other.texts)
         self.changed = frozenset(self.shown)
         self.unchanged = frozenset(changed) - self.changed
+        self.differing = tuple(sorted(set(self.shown.values())))
+        if self.is_launched:
+            self.differing = self.tree_lines.differing(other.tree_lines)
 
     def cited(self, spans: Iterable[Span]) -> set[Span]:
         """Return the differing lines among some locations."""
@@ -251,7 +259,9 @@ class _Side:
         """Yield the findings in launch trees; paths are relative to the folder of the robot."""
         folder = f"{self.project.configuration.path.rstrip('/')}/"
         for c in self.findings:
-            value = (c.kind, c.subject, c.severity, c.message, *c.participants)
+            tests = (" ".join((test.variable, test.value, test.how)) for test in c.conditions)
+            usual = "" if c.is_usual else "unusual"
+            value = (c.kind, c.subject, c.severity, c.message, *c.participants, *tests, usual)
             inside = value if folder == "./" else tuple(each.replace(folder, "") for each in value)
             yield _DiffEntry(inside[:3], inside, c.atom, c)
 
@@ -408,11 +418,24 @@ def _changes(
 
 
 def _changed_findings(before: _Side, after: _Side) -> Iterator[Change[Consequence]]:
-    """Yield the differing findings in launch trees, each with its own locations as lines."""
+    """Yield the differing findings in launch trees, with the lines of their nodes that differ."""
+    old, new = before.tree_lines, after.tree_lines
     for how, gone, come in _pairs(before.launch_findings(), after.launch_findings()):
-        items = [None if each is None else each.item for each in (gone, come)]
-        removed, added = (() if each is None else each.spans for each in items)
-        yield Change(how, items[0], items[1], added, removed)
+        was, now = (None if each is None else each.item for each in (gone, come))
+        found = [each for each in (was, now) if each is not None]
+        names = {name for each in found for name in (each.subject, *each.participants)}
+        old_spans, new_spans = ({*(each.spans if each else ())} for each in (was, now))
+        removed, left = old.split(old_spans | old.of_nodes(names, new), before.differing)
+        added, stay = new.split(new_spans | new.of_nodes(names, old), after.differing)
+        if not removed and not added:
+            variables = {test.variable for each in found for test in each.conditions}
+            removed = old.naming(variables, before.differing)
+            added = new.naming(variables, after.differing)
+        yield Change(how, was, now, *map(_in_order, (added, removed, stay or left)))
+
+
+def _in_order(spans: Iterable[Span]) -> tuple[Span, ...]:
+    return tuple(sorted(spans))
 
 
 def _blamed(

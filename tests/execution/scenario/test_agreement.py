@@ -69,6 +69,12 @@ def remarks(robot: str = ROBOT, **changed: str) -> list[tuple[int, str, str, str
             "bind `Map` to a function",
         ),
         (
+            "Turner",
+            '[devices.Turner]\nkind = "bumper"\n',
+            "`Turner` sends commands, and a bumper measures",
+            "describe `Turner` with `@Sense`, or bind it to a function",
+        ),
+        (
             "Arm",
             '[devices.Arm]\nkind = "platform"\n',
             "`Arm` is a platform, and `P` moves the robot",
