@@ -249,7 +249,10 @@ def _check(
     Raises:
         MarsError: its files or sources are wrong.
     """
-    raw = read_standard_input(MOST_BYTES + 1) if is_input else None
+    # Repairs print all of the text, also if it is too large to read.
+    most = -1 if arguments.fix else MOST_BYTES + 1
+    raw = read_standard_input(most) if is_input else None
+    one.text = raw if arguments.fix else None
     path = shown_input(arguments) if raw is not None else one.path
     text = None if raw is None else decode(raw, path)
     project = _readable(one, [path, *one.further], text, arguments)
@@ -296,9 +299,7 @@ def judge(
     Raises:
         MarsError: rule packs, settings or a baseline are wrong.
     """
-    text = None if raw is None else decode(raw, project.configuration.path)
     one.launch_files = tuple(tree.path for tree in project.trees)
-    one.text = text if arguments.fix else None
     analysis = judge_project(project, rules(JUDGING), arguments)
     seen(project, analysis)
     selected = selection.of(project, analysis, False, with_participants)
@@ -395,7 +396,7 @@ def _fix(
             continue
         if is_input:
             one.change = unified_diff(path, decode(old, path), decode(new, path))
-            one.text = decode(new, path)
+            one.text = new
         elif is_hidden(path):
             problems.append(_unfixed(path, OUTSIDE))
         elif not is_writable(path):
@@ -407,7 +408,7 @@ def _fix(
     if problems:
         one.status = 2
         one.written.clear()
-        one.text = None if raw is None else decode(raw, project.configuration.path)
+        one.text = raw
         one.append_results(map(Result, problems))
         return None
     edited.update((file_key(path), (one.path, new)) for path, new, _ in one.written)

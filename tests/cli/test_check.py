@@ -213,7 +213,7 @@ def test_a_read_only_file_is_left_alone(robots: Path, capsys: Captured) -> None:
 
 @pytest.mark.parametrize(
     ("text", "status", "expected"),
-    [(TWICE, 0, ONCE), (CHOICE, 1, CHOICE), (BAD, 2, ""), (CLEAN, 0, CLEAN)],
+    [(TWICE, 0, ONCE), (CHOICE, 1, CHOICE), (BAD, 2, BAD), (CLEAN, 0, CLEAN)],
 )
 def test_the_text_of_standard_input_goes_to_the_output(
     text: str, status: int, expected: str
