@@ -432,7 +432,7 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
     foreign: list[str] = []
     for path in paths:
         shown = shown_input(arguments) if path == STANDARD_INPUT else path
-        if arguments.force_exclude and shown != SHOWN_INPUT and is_excluded(arguments, shown):
+        if is_passed_over(arguments, path):
             continue
         if os.path.isdir(path):  # noqa: PTH112 -- never raises
             try:
@@ -464,14 +464,19 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
     return list(first.values())
 
 
-def is_excluded(arguments: argparse.Namespace, path: str) -> bool:
-    """Whether the settings or options exclude a named path.
+def is_passed_over(arguments: argparse.Namespace, path: str) -> bool:
+    """Whether `--force-exclude` is given, and settings or options exclude a named path.
+
+    Standard input has the path of `--stdin-filename`.
 
     Raises:
         MarsError: the settings of its folder are wrong.
     """
     from mars_asp.cli.excluded import excluded_in
 
+    path = shown_input(arguments) if path == STANDARD_INPUT else path
+    if not arguments.force_exclude or path == SHOWN_INPUT:
+        return False
     shown = os.path.relpath(path)
     file = Path(path if shown.startswith(os.pardir) else shown)
     # Seen from the current folder, patterns name folders above the file as well.

@@ -1,5 +1,6 @@
 """Folders on the command line: which robots are in them, and which paths are passed over."""
 
+import io
 import json
 import os
 from pathlib import Path
@@ -150,6 +151,16 @@ def test_options_exclude_paths_that_are_not_named(here: Path, capsys: Captured) 
     assert judged(capsys, ".", "a.mars") == judged(capsys, "a.mars", ".") == ["a.mars", "w/b.mars"]
     assert judged(capsys, "--exclude", "w", "w") == ["w/b.mars"]
     assert judged(capsys, "--exclude", "w", "--force-exclude", "w", "a.mars") == ["a.mars"]
+
+
+@pytest.mark.parametrize("command", ["check --fix", "fmt"])
+def test_an_excluded_text_of_standard_input_is_printed_unchanged(
+    command: str, here: Path, capsys: Captured, monkeypatch: Patch
+) -> None:
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(b"@modules A,,")))
+    words = f"{command} - --stdin-filename w/x.mars --exclude w --force-exclude"
+    assert run_here(words.split()) == 0
+    assert capsys.readouterr().out == "@modules A,,"
 
 
 def test_git_ignores_paths_below_the_folder_with_its_repository(
