@@ -20,9 +20,9 @@ from mars_asp.cli.check_output import (
 )
 from mars_asp.cli.deliver import (
     file_key,
-    is_writable,
     replace_files,
     write_closing,
+    write_obstacle,
     write_result,
 )
 from mars_asp.cli.diagnostic_text import Suggestion, report
@@ -399,8 +399,8 @@ def _fix(
             one.text = new
         elif is_hidden(path):
             problems.append(_unfixed(path, OUTSIDE))
-        elif not is_writable(path):
-            problems.append(_unfixed(path, "it is read-only"))
+        elif obstacle := write_obstacle(path):
+            problems.append(_unfixed(path, obstacle))
         elif (other := edited.get(file_key(path), (one.path, new)))[1] != new:
             problems.append(_unfixed(path, f"it is changed for `{other[0]}`", _AGAIN))
         elif file_key(path) not in edited:
