@@ -23,6 +23,7 @@ from mars_asp.language import Parsed, parse_text
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_text, unreadable
 from mars_asp.model.declarations import VERBS, PackKind
 from mars_asp.output import counted, visible
+from mars_asp.reading import SHOWN_INPUT
 from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.launch_trees import analyse_trees
 from mars_asp.reasoning.packs import find_packs, kinds_of
@@ -64,8 +65,6 @@ _FEW_NOTES = 3
 _MOST_NAMES, _ALIKE = 1000, 0.7
 #: A message names at most so many robots of a folder.
 _MOST_NAMED = 10
-#: The name of standard input in locations.
-SHOWN_INPUT = "<stdin>"
 
 
 def read_input(shown: str) -> str:
