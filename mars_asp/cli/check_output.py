@@ -259,8 +259,8 @@ def _document_text(
         from mars_asp.cli.junit import junit_suites
 
         robots = [(", ".join((one.path, *one.further)), one.results) for one in checked]
-        if remarks:
-            robots.append(("mars-asp check", list(remarks)))
+        if others := reported_findings(remarks):
+            robots.append(("mars-asp check", others))
         return junit_suites([(name, reported_findings(results)) for name, results in robots])
     if arguments.format == "gitlab":
         from mars_asp.cli.gitlab import code_quality_report
