@@ -222,9 +222,13 @@ def check(
 
 
 def _are_of_settings(error: MarsError, arguments: argparse.Namespace) -> bool:
-    """Whether all problems are of a file with settings."""
+    """Whether all problems are in a file with settings, or in the baseline of an option."""
     names = (*SETTINGS, Path(arguments.config or SETTINGS[0]).name)
-    return all(Path(each.span.path).name in names for each in error.diagnostics)
+    return all(
+        Path(each.span.path).name in names
+        or (each.span.path == arguments.baseline and each.code in ("baseline", "encoding"))
+        for each in error.diagnostics
+    )
 
 
 def _each_once(names: Iterable[str]) -> list[str]:
