@@ -579,6 +579,13 @@ def test_bridges_have_topics_that_only_their_clients_know() -> None:
     )
 
 
+def test_an_unknown_topic_is_named_by_its_node_and_parameter() -> None:
+    nodes = "".join(f'<node pkg="topic_tools" exec="throttle" name="{name}"/>' for name in "ab")
+    found = launched(f"<launch>{nodes}</launch>", "robot.launch.xml")
+    named = "4 (`/a.output_topic`, `/a.input_topic`, `/b.output_topic`, `/b.input_topic`)"
+    assert f"topics named at run time not read: {named}" in [m.message for m in found.warnings]
+
+
 def test_substitutions_are_parts_of_a_text() -> None:
     assert substituted("a$(env X b)c") == ("a", LaunchArgument("env X", default=("b",)), "c")
     assert substituted("$(arg a") == substituted("$(eval 1)")
