@@ -3,7 +3,7 @@
 import argparse
 import os
 import re
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -334,7 +334,7 @@ def only_robot(arguments: argparse.Namespace, path: str) -> str:
     found = robots_in_folder(arguments, path)
     first, *others = found.paths or (None,)
     if first is None:
-        raise MarsError([_nothing_in(path)])
+        raise MarsError([_nothing_in(path, found.notes)])
     if others:
         number = len(found.paths)
         message = f"the folder has {number} robots"
@@ -406,8 +406,8 @@ def _print_settings(arguments: argparse.Namespace, folder: Path) -> None:
         detail(arguments, f"settings {path}" if path else "no settings")
 
 
-def _nothing_in(path: str) -> Diagnostic:
-    message = "the folder has nothing to read"
+def _nothing_in(path: str, notes: Iterable[Diagnostic]) -> Diagnostic:
+    message = "; ".join(("the folder has nothing to read", *(each.message for each in notes)))
     workspace = workspace_of(path)
     help_text = ROBOTS if workspace is None else f"name its workspace, `{workspace}`"
     return Diagnostic("unreadable", "error", message, whole_file(path), help=help_text)
@@ -440,7 +440,7 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
                 found.append(RobotFiles([path], problems=error.diagnostics))
                 continue
             if not within.paths:
-                found.append(RobotFiles([path], problems=(_nothing_in(path),)))
+                found.append(RobotFiles([path], problems=(_nothing_in(path, within.notes),)))
                 continue
             if within.paths != (Path(path),):
                 found += (RobotFiles([str(each)]) for each in within.paths)

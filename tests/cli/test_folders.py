@@ -137,6 +137,17 @@ def test_links_to_folders_are_passed_over(here: Path, capsys: Captured) -> None:
     assert judged(capsys, "link") == ["link/x.mars"]
 
 
+@pytest.mark.parametrize(("others", "kind"), [({"b.mars": MARS}, "notes"), ({}, "findings")])
+def test_links_to_files_are_not_passed_over_in_silence(
+    others: dict[str, str], kind: str, here: Path, capsys: Captured
+) -> None:
+    write(here, {"w/x.yaml": "a: 1", **{f"w/{name}": text for name, text in others.items()}})
+    (here / "w" / "a.mars").symlink_to("missing.mars")
+    run_here(["check", "w", "--format", "json"])
+    [message] = [each["message"] for each in json.loads(capsys.readouterr().out)[kind]]
+    assert message.endswith("links to `.mars` files not read: 1 (`w/a.mars`)")
+
+
 def test_a_package_that_git_ignores_is_not_read(here: Path, capsys: Captured) -> None:
     write(here, package("src/a") | package("src/b") | {".gitignore": "src/b\n"})
     run_here(["check", "--format", "json"])
