@@ -15,6 +15,8 @@ from contextvars import ContextVar
 from functools import lru_cache
 from pathlib import Path
 
+#: The name of standard input in locations.
+SHOWN_INPUT = "<stdin>"
 #: What belongs to the kernel: environments of processes, devices without an end.
 KERNEL = ("/proc", "/dev", "/sys")
 #: A folder for files of users, in memory.

@@ -196,6 +196,8 @@ class Parser(argparse.ArgumentParser):
             takes_files = any(each.dest == "files" for each in self.positionals())
             if argument and takes_files and os.path.exists(choice[1]):  # noqa: PTH110 -- no error
                 message += f"; {argument[1]} comes before the files"
+        if unknown and os.path.lexists(word):
+            near, advice = None, f"write `./{word}` for the file"
         text = f"{message}: did you mean `{near}`?" if near else message
         text = f"{message}: {advice}" if advice else text
         mark = "" if text.endswith("?") else ";"

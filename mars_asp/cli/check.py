@@ -20,9 +20,9 @@ from mars_asp.cli.check_output import (
 )
 from mars_asp.cli.deliver import (
     file_key,
-    is_writable,
     replace_files,
     write_closing,
+    write_obstacle,
     write_result,
 )
 from mars_asp.cli.diagnostic_text import Suggestion, report
@@ -222,9 +222,13 @@ def check(
 
 
 def _are_of_settings(error: MarsError, arguments: argparse.Namespace) -> bool:
-    """Whether all problems are of a file with settings."""
+    """Whether all problems are in a file with settings, or in the baseline of an option."""
     names = (*SETTINGS, Path(arguments.config or SETTINGS[0]).name)
-    return all(Path(each.span.path).name in names for each in error.diagnostics)
+    return all(
+        Path(each.span.path).name in names
+        or (each.span.path == arguments.baseline and each.code in ("baseline", "encoding"))
+        for each in error.diagnostics
+    )
 
 
 def _each_once(names: Iterable[str]) -> list[str]:
@@ -249,7 +253,10 @@ def _check(
     Raises:
         MarsError: its files or sources are wrong.
     """
-    raw = read_standard_input(MOST_BYTES + 1) if is_input else None
+    # Repairs print all of the text, also if it is too large to read.
+    most = -1 if arguments.fix else MOST_BYTES + 1
+    raw = read_standard_input(most) if is_input else None
+    one.text = raw if arguments.fix else None
     path = shown_input(arguments) if raw is not None else one.path
     text = None if raw is None else decode(raw, path)
     project = _readable(one, [path, *one.further], text, arguments)
@@ -296,9 +303,7 @@ def judge(
     Raises:
         MarsError: rule packs, settings or a baseline are wrong.
     """
-    text = None if raw is None else decode(raw, project.configuration.path)
     one.launch_files = tuple(tree.path for tree in project.trees)
-    one.text = text if arguments.fix else None
     analysis = judge_project(project, rules(JUDGING), arguments)
     seen(project, analysis)
     selected = selection.of(project, analysis, False, with_participants)
@@ -395,11 +400,11 @@ def _fix(
             continue
         if is_input:
             one.change = unified_diff(path, decode(old, path), decode(new, path))
-            one.text = decode(new, path)
+            one.text = new
         elif is_hidden(path):
             problems.append(_unfixed(path, OUTSIDE))
-        elif not is_writable(path):
-            problems.append(_unfixed(path, "it is read-only"))
+        elif obstacle := write_obstacle(path):
+            problems.append(_unfixed(path, obstacle))
         elif (other := edited.get(file_key(path), (one.path, new)))[1] != new:
             problems.append(_unfixed(path, f"it is changed for `{other[0]}`", _AGAIN))
         elif file_key(path) not in edited:
@@ -407,7 +412,7 @@ def _fix(
     if problems:
         one.status = 2
         one.written.clear()
-        one.text = None if raw is None else decode(raw, project.configuration.path)
+        one.text = raw
         one.append_results(map(Result, problems))
         return None
     edited.update((file_key(path), (one.path, new)) for path, new, _ in one.written)

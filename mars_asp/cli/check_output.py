@@ -27,9 +27,11 @@ from mars_asp.cli.inputs import STANDARD_INPUT
 from mars_asp.cli.lines import line_text
 from mars_asp.cli.results import Result
 from mars_asp.cli.selection import hidden_text
+from mars_asp.cli.worker import read_standard_input
 from mars_asp.cli.wrapping import columns, wrapped
 from mars_asp.diagnostic import NOT_READ, Severity, brief
 from mars_asp.output import counted, visible
+from mars_asp.reading import decoded
 
 if TYPE_CHECKING:
     from mars_asp.reasoning.questions.repair import Repair
@@ -58,8 +60,8 @@ class Checked:
     new_warnings: tuple[str, ...] = ()
     #: The files that repairs change: path, new content, old content.
     written: list[tuple[str, bytes, bytes]] = field(default_factory=list)
-    #: The text of standard input after the repairs.
-    text: str | None = None
+    #: The content of standard input after the repairs.
+    text: bytes | None = None
     #: The changes of standard input as a unified diff.
     change: str = ""
     #: How many findings are hidden, by `comment` or `baseline`.
@@ -115,8 +117,9 @@ def write_report(
     else:
         sys.stdout.write(findings)
     if repairs_input:
-        for text in filter(None, (one.text for one in checked)):
-            sys.stdout.buffer.write(text.encode())
+        text = next((one.text for one in checked if one.text is not None), b"")
+        # Standard input that is excluded has not been read.
+        sys.stdout.buffer.write(text or read_standard_input())
     write_closing(closing)
 
 
@@ -256,8 +259,8 @@ def _document_text(
         from mars_asp.cli.junit import junit_suites
 
         robots = [(", ".join((one.path, *one.further)), one.results) for one in checked]
-        if remarks:
-            robots.append(("mars-asp check", list(remarks)))
+        if others := reported_findings(remarks):
+            robots.append(("mars-asp check", others))
         return junit_suites([(name, reported_findings(results)) for name, results in robots])
     if arguments.format == "gitlab":
         from mars_asp.cli.gitlab import code_quality_report
@@ -294,7 +297,7 @@ def _check_document(
                 "warnings": one.counted["warning"],
                 "hidden": dict(one.hidden),
                 "fixed": [repair_json(repair) for repair in one.mended],
-                **({} if one.text is None else {"text": one.text}),
+                **({} if one.text is None else {"text": decoded(one.text)}),
             }
             for one in checked
         ],

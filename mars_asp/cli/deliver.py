@@ -417,19 +417,27 @@ def _check_unchanged(file: OutputFile) -> None:
             raise OSError(0, text, file.path)
 
 
-def is_writable(path: str) -> bool:
-    """Whether a file may be written, also by its mode, which root could ignore.
+def write_obstacle(path: str) -> str | None:
+    """Return the reason why a file cannot be replaced, or None if it can.
+
+    The mode of the file counts also for root, which could ignore it.
 
     Raises:
         OSError: the file does not exist.
     """
-    return bool(os.stat(path).st_mode & 0o222) and os.access(path, os.W_OK)  # noqa: PTH116 -- raw
+    mode, folder = os.stat(path).st_mode, os.path.dirname(os.path.realpath(path))  # noqa: PTH116, PTH120 -- raw
+    if not mode & 0o222 or not os.access(path, os.W_OK):
+        return "it is read-only"
+    # A regular file is replaced by one that is written beside it.
+    if stat.S_ISREG(mode) and not os.access(folder, os.W_OK | os.X_OK):
+        return f"its folder `{folder}` is read-only"
+    return None
 
 
 def _check_writable(path: str) -> None:
-    if not is_writable(path):
-        raise PermissionError(errno.EACCES, "it is read-only, so it was left alone", path)
+    if obstacle := write_obstacle(path):
+        raise PermissionError(errno.EACCES, f"{obstacle}, so it was left alone", path)
 
 
 def _say_unwritten(what: str, error: OSError) -> None:
-    print(f"mars-asp: error: {what}: {error.strerror or error}", file=sys.stderr)
+    print(visible(f"mars-asp: error: {what}: {error.strerror or error}"), file=sys.stderr)

@@ -13,8 +13,8 @@ from mars_asp.cli.excluded import add_exclusion
 from mars_asp.cli.inputs import (
     STANDARD_INPUT,
     add_stdin_filename,
-    is_excluded,
     is_other_file,
+    is_passed_over,
     robots_in_folder,
     shown_input,
 )
@@ -54,6 +54,9 @@ def run(arguments: argparse.Namespace) -> int:
         except MarsError as error:
             report_error(error, arguments)
             status = 2
+    is_piped = STANDARD_INPUT in arguments.files and arguments.format != "json"
+    if is_piped and not (names or arguments.check or arguments.diff):
+        sys.stdout.buffer.write(read_standard_input())
     for name in names:
         shown = shown_input(arguments) if name == STANDARD_INPUT else name
         try:
@@ -90,7 +93,7 @@ def _files_of(path: str, arguments: argparse.Namespace) -> list[str]:
         MarsError: the folder has none, or its settings are wrong.
     """
     if not Path(path).is_dir():
-        return [] if arguments.force_exclude and is_excluded(arguments, path) else [path]
+        return [] if is_passed_over(arguments, path) else [path]
     found = [
         str(each) for each in robots_in_folder(arguments, path).paths if each.suffix == ".mars"
     ]

@@ -3,7 +3,7 @@
 import argparse
 import os
 import re
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -23,6 +23,7 @@ from mars_asp.language import Parsed, parse_text
 from mars_asp.language.parse import MOST_BYTES, decode, plain_lines, read_text, unreadable
 from mars_asp.model.declarations import VERBS, PackKind
 from mars_asp.output import counted, visible
+from mars_asp.reading import SHOWN_INPUT
 from mars_asp.reasoning.analysis import Analysis, analyse
 from mars_asp.reasoning.launch_trees import analyse_trees
 from mars_asp.reasoning.packs import find_packs, kinds_of
@@ -64,8 +65,6 @@ _FEW_NOTES = 3
 _MOST_NAMES, _ALIKE = 1000, 0.7
 #: A message names at most so many robots of a folder.
 _MOST_NAMED = 10
-#: The name of standard input in locations.
-SHOWN_INPUT = "<stdin>"
 
 
 def read_input(shown: str) -> str:
@@ -335,7 +334,7 @@ def only_robot(arguments: argparse.Namespace, path: str) -> str:
     found = robots_in_folder(arguments, path)
     first, *others = found.paths or (None,)
     if first is None:
-        raise MarsError([_nothing_in(path)])
+        raise MarsError([_nothing_in(path, found.notes)])
     if others:
         number = len(found.paths)
         message = f"the folder has {number} robots"
@@ -407,8 +406,8 @@ def _print_settings(arguments: argparse.Namespace, folder: Path) -> None:
         detail(arguments, f"settings {path}" if path else "no settings")
 
 
-def _nothing_in(path: str) -> Diagnostic:
-    message = "the folder has nothing to read"
+def _nothing_in(path: str, notes: Iterable[Diagnostic]) -> Diagnostic:
+    message = "; ".join(("the folder has nothing to read", *(each.message for each in notes)))
     workspace = workspace_of(path)
     help_text = ROBOTS if workspace is None else f"name its workspace, `{workspace}`"
     return Diagnostic("unreadable", "error", message, whole_file(path), help=help_text)
@@ -432,7 +431,7 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
     foreign: list[str] = []
     for path in paths:
         shown = shown_input(arguments) if path == STANDARD_INPUT else path
-        if arguments.force_exclude and shown != SHOWN_INPUT and is_excluded(arguments, shown):
+        if is_passed_over(arguments, path):
             continue
         if os.path.isdir(path):  # noqa: PTH112 -- never raises
             try:
@@ -441,7 +440,7 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
                 found.append(RobotFiles([path], problems=error.diagnostics))
                 continue
             if not within.paths:
-                found.append(RobotFiles([path], problems=(_nothing_in(path),)))
+                found.append(RobotFiles([path], problems=(_nothing_in(path, within.notes),)))
                 continue
             if within.paths != (Path(path),):
                 found += (RobotFiles([str(each)]) for each in within.paths)
@@ -464,14 +463,19 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
     return list(first.values())
 
 
-def is_excluded(arguments: argparse.Namespace, path: str) -> bool:
-    """Whether the settings or options exclude a named path.
+def is_passed_over(arguments: argparse.Namespace, path: str) -> bool:
+    """Whether `--force-exclude` is given, and settings or options exclude a named path.
+
+    Standard input has the path of `--stdin-filename`.
 
     Raises:
         MarsError: the settings of its folder are wrong.
     """
     from mars_asp.cli.excluded import excluded_in
 
+    path = shown_input(arguments) if path == STANDARD_INPUT else path
+    if not arguments.force_exclude or path == SHOWN_INPUT:
+        return False
     shown = os.path.relpath(path)
     file = Path(path if shown.startswith(os.pardir) else shown)
     # Seen from the current folder, patterns name folders above the file as well.

@@ -39,7 +39,7 @@ from mars_asp.cli.rules_kinds import Kind, kind_document, kind_json, kinds
 from mars_asp.diagnostic import Diagnostic, refusal
 from mars_asp.language.text_edits import Draft, LineEdit
 from mars_asp.output import fenced, replace_together, visible
-from mars_asp.reasoning.lint import LintResult, lint
+from mars_asp.reasoning.lint import LintResult, lint_files
 from mars_asp.reasoning.packs import MANIFEST, installed_packs, with_companions
 from mars_asp.reasoning.rules import STAGES, is_rule_base
 from mars_asp.spelling import nearest
@@ -76,9 +76,9 @@ def run(arguments: argparse.Namespace) -> int:
     if wrong:
         return misuse("rules", wrong)
     if action == "lint":
-        given = [Path(path) for path in [*arguments.rules, *([what] if what else [])]]
+        named = [*arguments.rules, *([what] if what else []), *arguments.files]
         # The built-in rules must not be linted as a pack beside themselves.
-        packs = [path for path in given if not is_rule_base(path)]
+        packs = [path for path in map(Path, named) if not is_rule_base(path)]
         return _lint(packs, arguments)
     if action == "diff":
         from mars_asp.cli.rules_diff import print_changes
@@ -132,11 +132,11 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _lint(packs: Sequence[Path], arguments: argparse.Namespace) -> int:
     """Report the lints of packs; with `--fix`, first apply the safe fixes."""
-    found = lint(packs)
+    found = lint_files(packs)
     if arguments.fix and packs:
         mended = _mended(found)
         if mended:
-            found = lint(packs)
+            found = lint_files(packs)
             print(f"corrected: {mended}")
     report(found.diagnostics, arguments, _suggestions(found, arguments))
     if not found.diagnostics:
@@ -273,7 +273,7 @@ def _misused(action: str, what: str | None, arguments: argparse.Namespace) -> st
         return f"--stage has no effect on `{action}`"
     if arguments.folder and action != "doc":
         return f"--output has no effect on `{action}`"
-    if arguments.files and action != "diff":
+    if arguments.files and action not in ("diff", "lint"):
         return f"`{action}` takes one name, and `{visible(arguments.files[0])}` is another"
     return None
 

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 from mars_asp.cli.diagnostic_text import report, report_unrealisable
 from mars_asp.cli.inputs import (
-    SHOWN_INPUT,
     STANDARD_INPUT,
     analyse_project,
     read_input,
     rulebook_for,
 )
 from mars_asp.cli.realtime import run_realtime
+from mars_asp.reading import SHOWN_INPUT
 
 if TYPE_CHECKING:
     from mars_asp.asp.rules.rulebook import Rulebook

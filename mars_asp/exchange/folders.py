@@ -179,7 +179,7 @@ def _at_most(dataflows: Sequence[Path], unread: list[Unread]) -> list[Path]:
 def _entries(
     folder: Path, is_excluded: IsExcluded, unread: list[Unread]
 ) -> Iterator[tuple[int, Path]]:
-    """Yield depth and path of files that may be of robots; add unsearched folders to `unread`."""
+    """Yield depth and path of files that may be of robots; add unread ones to `unread`."""
     folders = deque([(0, folder)])
     listed = 0
     while folders:
@@ -209,6 +209,8 @@ def _entries(
                 folders.append((depth + 1, inner))
             elif entry.is_file(follow_symlinks=False):
                 yield depth, inner
+            elif inner.suffix == ".mars" and entry.is_symlink() and not entry.is_dir():
+                unread.append(_unread("links to `.mars` files", inner))
 
 
 def _unread(sort: str, path: Path) -> Unread:

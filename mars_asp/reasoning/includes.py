@@ -23,7 +23,7 @@ from mars_asp.model.declarations import (
     ends_of,
     with_ends,
 )
-from mars_asp.reading import WallError, check_walls
+from mars_asp.reading import SHOWN_INPUT, WallError, check_walls
 
 #: Limit of the depth of nested includes.
 MOST_DEEP = 100
@@ -148,8 +148,6 @@ def _taken_in(
         message = f"more than {MOST_INCLUDES} includes"
         raise _too_many(include.span, message, "include fewer, or write their modules here")
     path = Path(include.span.path).parent / include.path
-    if own.path == "-":
-        path = Path(include.path)
     real = _real(str(path))
     if real in chain:
         circle = " -> ".join(os.path.relpath(each) for each in (*chain[chain.index(real) :], real))
@@ -166,7 +164,7 @@ def _taken_in(
             include.span, f"`{include.path}`: {error.strerror}", error.advice
         ) from None
     if not path.is_file():
-        help_text = "paths of `@include` are relative to the file that includes"
+        help_text = paths_advice("include", include.span, "the file that includes")
         raise _include_error(include.span, f"`{include.path}` is not a file", help_text)
         # A file keeps its first path, so that its lines count once.
     shown = reading.shown.setdefault(real, _without_dots(path))
@@ -188,6 +186,13 @@ def _taken_in(
     if include.name is None:
         return expanded
     return _with_prefix(include.name, expanded)
+
+
+def paths_advice(keyword: str, span: Span, file: str) -> str:
+    """Return the sentence on the folder of paths; `file` describes the file with the keyword."""
+    if span.path == SHOWN_INPUT:
+        return f"from standard input, paths of `@{keyword}` are relative to the current folder"
+    return f"paths of `@{keyword}` are relative to {file}"
 
 
 def _with_prefix(prefix: str, parsed: Parsed) -> Parsed:

@@ -20,11 +20,13 @@ from mars_asp.diagnostic import Diagnostic, MarsError, Span, by_place
 from mars_asp.reasoning.analysis import analyse
 from mars_asp.reasoning.facts.vocabulary import FORMS, THINGS, unbounded
 from mars_asp.reasoning.findings import CONSEQUENCE
-from mars_asp.reasoning.packs import with_companions
+from mars_asp.reasoning.packs import pack_of, with_companions
 from mars_asp.reasoning.rules import STAGES, load_rulebook, rules_directory
 from mars_asp.reasoning.sample import sampled
 
 INSERTED = Signature("inserted", 2)
+#: Errors of files that then lack in their pack, so that others seem to be wrong.
+_OF_READING = ("rule-syntax", "pack")
 #: Larger packs are tried on one sample only, as grounding them takes most of the time.
 _MOST_RULES = 2_000
 
@@ -90,8 +92,28 @@ def lint(packs: Sequence[Path], grounded: bool = True) -> LintResult:
     return LintResult(tuple(errors), tuple(others), tuple(lints))
 
 
+def lint_files(paths: Sequence[Path]) -> LintResult:
+    """Return the findings about packs and files of rules; about the built-in rules for no path.
+
+    A file of a pack is checked with the pack, but of its other files only errors of reading are
+    reported.
+    """
+    packs = {path: path.suffix == ".lp" and path.is_file() and pack_of(path) for path in paths}
+    around = [pack for pack in packs.values() if pack]
+    found = lint(list(dict.fromkeys(packs[path] or path for path in paths)))
+
+    def is_shown(each: Diagnostic) -> bool:
+        is_other = _is_in(each.span, around) and not _is_in(each.span, paths)
+        return not is_other or each.code in _OF_READING
+
+    lints = (each for each in found.lints if is_shown(each.diagnostic))
+    errors, others = filter(is_shown, found.errors), filter(is_shown, found.others)
+    return LintResult(tuple(errors), tuple(others), tuple(lints))
+
+
 def _is_in(span: Span, folders: Sequence[Path]) -> bool:
-    return any(Path(span.path).is_relative_to(each) for each in folders)
+    path = Path(span.path).resolve()
+    return any(path.is_relative_to(each.resolve()) for each in folders)
 
 
 def _tried(rulebook: Rulebook) -> list[Diagnostic]:

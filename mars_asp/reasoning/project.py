@@ -32,6 +32,7 @@ from mars_asp.reasoning.facts.rates import Rates, rates_in
 from mars_asp.reasoning.includes import (
     described_twice,
     instances,
+    paths_advice,
     undescribed,
     with_includes,
     without_idle,
@@ -136,7 +137,7 @@ def described(
         entries = Entries(configuration.path)
     for name in configuration.sources:
         folder = Path(name.span.path).parent
-        advice = "paths of `@sources` are relative to the configuration's own file"
+        advice = paths_advice("sources", name.span, "the configuration's own file")
         missing = _missing(name.text, name.span, advice)
         matches = _source_paths(name.text, missing, problems, folder, entries)
         named_at |= dict.fromkeys(matches, name.span)

@@ -3,6 +3,7 @@
 import re
 import shlex
 import subprocess
+from pathlib import Path
 
 import pytest
 
@@ -10,7 +11,7 @@ from mars_asp.cli import run_command, run_here
 from mars_asp.cli.arguments import VERBS, help_texts, parser_of
 from mars_asp.cli.check_output import FORMATS
 from tests.support.documents import ROOT
-from tests.support.fixtures import Captured
+from tests.support.fixtures import Captured, Patch
 from tests.support.processes import mars
 
 FIGURE = str(ROOT / "examples" / "figure04-divergence" / "config.mars")
@@ -142,6 +143,15 @@ def test_suggestions_for_misspelt_words(words: list[str], message: str, capsys: 
     assert message in " ".join(shown.err.split())
     assert "?;" not in shown.err
     assert "`--fix`" not in shown.err and "`--write" not in shown.err
+
+
+def test_a_file_with_a_dash_in_front_is_named_with_its_folder(
+    tmp_path: Path, monkeypatch: Patch, capsys: Captured
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("-x.mars").touch()
+    assert run_command(["check", "-x.mars"]) == 2
+    assert "write `./-x.mars` for the file;" in " ".join(capsys.readouterr().err.split())
 
 
 @pytest.mark.parametrize(

@@ -211,9 +211,22 @@ def test_a_read_only_file_is_left_alone(robots: Path, capsys: Captured) -> None:
     assert (robots / "twice.mars").read_text() == TWICE
 
 
+@pytest.mark.parametrize("command", ["check --fix twice.mars", "fmt twice.mars"])
+def test_a_file_in_a_read_only_folder_is_left_alone(
+    command: str, robots: Path, capsys: Captured, monkeypatch: Patch
+) -> None:
+    (robots / "twice.mars").write_text(f"\n{TWICE}")
+    # Modes of folders do not count for root.
+    monkeypatch.setattr("os.access", lambda path, mode: str(path) != str(robots))
+    assert run_here(command.split()) == 2
+    output = "".join(capsys.readouterr())
+    assert f"its folder `{robots}` is read-only" in output
+    assert "\nfixed" not in output and "formatted" not in output
+
+
 @pytest.mark.parametrize(
     ("text", "status", "expected"),
-    [(TWICE, 0, ONCE), (CHOICE, 1, CHOICE), (BAD, 2, ""), (CLEAN, 0, CLEAN)],
+    [(TWICE, 0, ONCE), (CHOICE, 1, CHOICE), (BAD, 2, BAD), (CLEAN, 0, CLEAN)],
 )
 def test_the_text_of_standard_input_goes_to_the_output(
     text: str, status: int, expected: str

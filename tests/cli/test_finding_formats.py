@@ -355,6 +355,12 @@ def test_each_robot_is_a_suite_and_each_finding_a_failed_case(
     assert run_here(["check", "a b.mars", "--baseline", "gone", "--format", "junit"]) == 2
     ((case,),) = ElementTree.fromstring(capsys.readouterr().out)
     assert (case.get("file"), case[0].get("type")) == ("gone", "unreadable")
+    stale = {"file": "gone.mars", "kind": "any", "subject": "A", "participants": []}
+    known = {"format": "mars-baseline", "version": 1, "findings": [stale]}
+    (folder / "known.json").write_text(json.dumps(known))
+    assert run_here(["check", "clean.mars", "--baseline", "known.json", "--format", "junit"]) == 0
+    (suite,) = ElementTree.fromstring(capsys.readouterr().out)
+    assert suite.get("name") == "clean.mars"
 
 
 def test_a_path_that_a_terminal_would_obey_is_shown_escaped(folder: Path, capsys: Captured) -> None:

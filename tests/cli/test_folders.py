@@ -1,5 +1,6 @@
 """Folders on the command line: which robots are in them, and which paths are passed over."""
 
+import io
 import json
 import os
 from pathlib import Path
@@ -136,6 +137,17 @@ def test_links_to_folders_are_passed_over(here: Path, capsys: Captured) -> None:
     assert judged(capsys, "link") == ["link/x.mars"]
 
 
+@pytest.mark.parametrize(("others", "kind"), [({"b.mars": MARS}, "notes"), ({}, "findings")])
+def test_links_to_files_are_not_passed_over_in_silence(
+    others: dict[str, str], kind: str, here: Path, capsys: Captured
+) -> None:
+    write(here, {"w/x.yaml": "a: 1", **{f"w/{name}": text for name, text in others.items()}})
+    (here / "w" / "a.mars").symlink_to("missing.mars")
+    run_here(["check", "w", "--format", "json"])
+    [message] = [each["message"] for each in json.loads(capsys.readouterr().out)[kind]]
+    assert message.endswith("links to `.mars` files not read: 1 (`w/a.mars`)")
+
+
 def test_a_package_that_git_ignores_is_not_read(here: Path, capsys: Captured) -> None:
     write(here, package("src/a") | package("src/b") | {".gitignore": "src/b\n"})
     run_here(["check", "--format", "json"])
@@ -150,6 +162,16 @@ def test_options_exclude_paths_that_are_not_named(here: Path, capsys: Captured) 
     assert judged(capsys, ".", "a.mars") == judged(capsys, "a.mars", ".") == ["a.mars", "w/b.mars"]
     assert judged(capsys, "--exclude", "w", "w") == ["w/b.mars"]
     assert judged(capsys, "--exclude", "w", "--force-exclude", "w", "a.mars") == ["a.mars"]
+
+
+@pytest.mark.parametrize("command", ["check --fix", "fmt"])
+def test_an_excluded_text_of_standard_input_is_printed_unchanged(
+    command: str, here: Path, capsys: Captured, monkeypatch: Patch
+) -> None:
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(b"@modules A,,")))
+    words = f"{command} - --stdin-filename w/x.mars --exclude w --force-exclude"
+    assert run_here(words.split()) == 0
+    assert capsys.readouterr().out == "@modules A,,"
 
 
 def test_git_ignores_paths_below_the_folder_with_its_repository(

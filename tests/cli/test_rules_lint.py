@@ -1,4 +1,6 @@
 import json
+import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -121,6 +123,25 @@ def test_json_has_the_fix_of_each_lint(tmp_path: Path, capsys: Captured) -> None
     ]
     run_here(["rules", "lint", str(pack), "--fix"])
     assert apply_lines(text, edits) == pack.read_text()
+
+
+def test_lint_takes_several_files_and_judges_those_of_a_pack_with_it(
+    tmp_path: Path, capsys: Captured
+) -> None:
+    bus, loose = tmp_path / "bus", tmp_path / "loose.lp"
+    shutil.copytree("examples/packs/bus", bus)
+    files = [bus / "consequences" / name for name in ("bus.lp", "vocabulary.lp")]
+    with files[1].open("a", encoding="utf-8") as rules:
+        rules.write("odd(M) :- on_bus(M, B), size(B).\n")
+    loose.write_text("odd(M) :- class(M, sensr). #show odd/1.\n")
+    for first, status, places in ((0, 0, []), (1, 2, [f"{files[1]}:"])):
+        assert run_here(["rules", "lint", str(files[first]), str(loose)]) == status
+        output = re.findall(r"(?m)^(\S+:)[0-9]+:[0-9]+: ", capsys.readouterr().err)
+        assert sorted(set(output)) == sorted([*places, f"{loose}:"])
+    with files[1].open("a", encoding="utf-8") as rules:
+        rules.write("bad(X :- y.\n")
+    assert run_here(["rules", "lint", str(files[0])]) == 2
+    assert "syntax error" in capsys.readouterr().err
 
 
 def pack_in(folder: Path, name: str, needs: str, rule: str) -> Path:

@@ -579,6 +579,23 @@ def test_bridges_have_topics_that_only_their_clients_know() -> None:
     )
 
 
+def test_an_unknown_topic_is_named_by_its_node_and_parameter() -> None:
+    nodes = "".join(f'<node pkg="topic_tools" exec="throttle" name="{name}"/>' for name in "ab")
+    found = launched(f"<launch>{nodes}</launch>", "robot.launch.xml")
+    named = "4 (`/a.output_topic`, `/a.input_topic`, `/b.output_topic`, `/b.input_topic`)"
+    assert f"topics named at run time not read: {named}" in [m.message for m in found.warnings]
+
+
+def test_a_component_of_the_catalogue_is_found_by_its_plugin(tmp_path: Path) -> None:
+    plugin = "nav2_map_server::CostmapFilterInfoServer"
+    node = f'<composable_node pkg="nav2_map_server" plugin="{plugin}" name="filter"/>'
+    container = '<node_container pkg="rclcpp_components" exec="component_container" name="c">'
+    text = f"<launch>{container}{node}</node_container></launch>"
+    write_package({"launch/x.launch.xml": text}, tmp_path)
+    [tree] = import_ros2([("", str(tmp_path))]).trees
+    assert "/costmap_filter_info" in [end.topic for at in tree.nodes for end in at.published]
+
+
 def test_substitutions_are_parts_of_a_text() -> None:
     assert substituted("a$(env X b)c") == ("a", LaunchArgument("env X", default=("b",)), "c")
     assert substituted("$(arg a") == substituted("$(eval 1)")

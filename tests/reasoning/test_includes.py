@@ -47,6 +47,12 @@ def test_an_impossible_include_is_refused_at_its_name(target: str, tmp_path: Pat
     assert (result.span.line, result.span.column) == (2, 10)
 
 
+@pytest.mark.parametrize("line", ["@include none.mars", "@sources none"])
+def test_paths_from_standard_input_are_relative_to_the_current_folder(line: str) -> None:
+    result = refusal(load_project, "<stdin>", text=f"@configuration\n{line}\n@modules Z\n")
+    assert "from standard input, paths of `@" in str(result.help)
+
+
 def test_a_file_included_twice_counts_once(tmp_path: Path) -> None:
     (tmp_path / "shared.mars").write_text("@configuration\n@modules D, E\nD uses_data_from E\n")
     for name in ("b", "c"):

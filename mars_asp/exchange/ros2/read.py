@@ -940,7 +940,9 @@ class _WorkspaceRobot:
                     full = f"{image.rpartition('/')[0]}/{written.rpartition('/')[2]}"
                 if not written or not _NAME.fullmatch(full):
                     span = topic.span or started.span
-                    called = topic.parameter or written
+                    called = written
+                    if topic.parameter:
+                        called = f"{name_in(started.namespace, name)}.{topic.parameter}"
                     self.unread.append(Unread(AT_RUN_TIME, called, span))
                     continue
                 # Of a source its own line counts, of the catalogue what the user renames.
