@@ -80,8 +80,8 @@ FILES = {
         "alternatives "
         "annotation_edits changes "
         "connected blame edits explain "
-        "launch_trees diff failed_value near_miss repair fix why_not why_no_finding absences "
-        "without"
+        "launch_trees diff_trees diff failed_value near_miss repair fix why_not "
+        "why_no_finding absences without"
     ),
     "exchange": (
         "recognise lift yaml_document elements unread folders ports graph relays cascades locks "

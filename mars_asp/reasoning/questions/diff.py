@@ -222,7 +222,7 @@ class _Side:
         self.unchanged = frozenset(changed) - self.changed
         self.differing = tuple(sorted(set(self.shown.values())))
         if self.is_launched:
-            self.differing = self.tree_lines.differing(other.tree_lines)
+            self.differing = self.tree_lines.lines_beyond(other.tree_lines)
 
     def cited(self, spans: Iterable[Span]) -> set[Span]:
         """Return the differing lines among some locations."""

@@ -34,22 +34,22 @@ class TreeLines:
             for path in paths
         }
         self._lines = {path: [line.strip() for line in lines_of(path)] for path in paths}
-        self._count = Counter(line for _, line in self._numbered())
+        self._count = Counter(line for _, line in self._located())
 
     def _relative(self, text: str) -> str:
         return text.replace(self._prefix, "") if self._prefix else text
 
-    def _numbered(self) -> Iterator[tuple[Span, _Line]]:
+    def _located(self) -> Iterator[tuple[Span, _Line]]:
         for path, lines in self._lines.items():
             for number, text in enumerate(lines, 1):
                 if text:
                     yield point(path, number, 1), (self._relative(path), text)
 
-    def differing(self, other: "TreeLines") -> tuple[Span, ...]:
+    def lines_beyond(self, other: "TreeLines") -> tuple[Span, ...]:
         """Return the lines that the other robot lacks; of repeated lines, the surplus."""
         left = Counter(other._count)
         found = []
-        for span, line in self._numbered():
+        for span, line in self._located():
             left[line] -= 1
             if left[line] < 0:
                 found.append(span)
