@@ -63,7 +63,7 @@ class TablesHook(BuildHookInterface[Any]):
         folder = Path(mkdtemp())
         write(folder, beside() if is_current() else tables())
         # Beside the sources are the cases themselves.
-        write(folder, example_tables())
+        write(folder, example_tables(folder))
         for path in folder.iterdir():
             build_data["force_include"][str(path)] = f"mars_asp/__tables__/{path.name}"
 
@@ -139,16 +139,18 @@ def tables() -> Iterator[tuple[str, bytes]]:
     yield from cache.tables()
 
 
-def example_tables() -> Iterator[tuple[str, bytes]]:
-    """Yield the table of sentences of examples, whose cases are not in the wheel."""
+def example_tables(made: Path) -> Iterator[tuple[str, bytes]]:
+    """Yield the table of sentences of examples, whose cases are not in the wheel.
+
+    The other tables are those in the folder `made`.
+    """
     sys.path.insert(0, str(ROOT))
     from mars_asp.asp import cache
     from mars_asp.cli.rules_example import table_examples
     from mars_asp.reasoning.rules import STAGES, load_rulebook
 
-    whole = load_rulebook(stages=STAGES)
-    cache.forget(BESIDE / "none")
-    table_examples(whole)
+    cache.forget(made)
+    table_examples(load_rulebook(stages=STAGES))
     yield from (table for table in cache.tables() if table[0] == "examples")
 
 
