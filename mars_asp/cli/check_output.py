@@ -18,6 +18,7 @@ from mars_asp.cli.diagnostic_text import (
     concise_text,
     diagnostic_json,
     diagnostic_text,
+    report,
     suggestion_lines,
 )
 from mars_asp.cli.encode import encoded
@@ -102,7 +103,11 @@ def write_report(
     if arguments.format not in TEXT_FORMATS:
         findings = _document_text(checked, remarks, arguments, status)
     elif arguments.statistics:
-        findings = "".join(_statistics(reported_findings(_unhidden(checked, remarks))))
+        counted_ones = reported_findings(_unhidden(checked, remarks))
+        findings = "".join(_statistics(counted_ones))
+        # A number alone does not tell why a file was not read.
+        wrong = (each.diagnostic for each in counted_ones if not each.diagnostic.kind)
+        report((each for each in wrong if each.severity == "error"), arguments)
     else:
         folded = [
             each for one in checked for each in fold(reported_findings(one.results), one.instances)

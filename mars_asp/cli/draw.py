@@ -96,7 +96,8 @@ def run(arguments: argparse.Namespace) -> int:
     picture = _part(project, kind in _PAINTED, arguments)
     report_reading(project, arguments)
     if picture.remark:
-        help_text = "--about NAME draws what is near a module, --only some kinds, --whole all of it"
+        options = "--about NAME draws what is near a module, --only some kinds, --whole all of it"
+        help_text = None if arguments.whole else options
         span = whole_file(configuration.path)
         report([Diagnostic("draw", "note", picture.remark, span, help=help_text)], arguments)
     content = _drawn(picture, kind, arguments.layout, configuration.path)

@@ -141,7 +141,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.why_not is not None:
         return _why_not(project, arguments)
     if arguments.alternatives is not None or arguments.repair:
-        report((*project.diagnostics, *one_of_several(project)), arguments)
+        report((*project.diagnostics, *one_of_several(project, arguments)), arguments)
     if arguments.alternatives is not None:
         from mars_asp.cli.alternatives import run_alternatives
 
@@ -191,7 +191,7 @@ def explained(project: Project, subject: str | None, arguments: argparse.Namespa
             return found
     rulebook = rulebook_for(arguments, ("resolve", "account"))
     selection = Selection(arguments, rulebook)
-    messages = (*selection.messages(project)[0], *one_of_several(project))
+    messages = (*selection.messages(project)[0], *one_of_several(project, arguments))
     reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
     is_page = arguments.output is not None
     traced = _wants_traces(arguments)
@@ -526,7 +526,7 @@ def _levels(depth: int | None) -> int:
 def _why_not(project: Project, arguments: argparse.Namespace) -> int:
     rulebook = rulebook_for(arguments)
     selection = Selection(arguments, rulebook)
-    report((*selection.messages(project)[0], *one_of_several(project)), arguments)
+    report((*selection.messages(project)[0], *one_of_several(project, arguments)), arguments)
     depth = getattr(arguments, "depth", ABSENCE_DEPTH)
     reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
     answer = None

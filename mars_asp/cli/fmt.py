@@ -79,7 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
             print(unified_diff(shown, before, text), end="")
         elif name == STANDARD_INPUT and not arguments.check:
             sys.stdout.buffer.write(text.encode())
-        elif changed:
+        elif changed and (arguments.check or not arguments.quiet):
             print(visible(shown if arguments.check else f"formatted {name}"))
     if arguments.format == "json":
         print(encoded({"files": listed}))

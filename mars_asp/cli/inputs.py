@@ -159,7 +159,7 @@ def report_project(project: Project, arguments: argparse.Namespace, paths: Seque
     if sum(each.severity == "note" for each in project.diagnostics) > _FEW_NOTES:
         report_reading(project, argparse.Namespace(**vars(arguments) | {"files": list(paths)}))
     else:
-        report((*project.diagnostics, *one_of_several(project)), arguments)
+        report((*project.diagnostics, *one_of_several(project, arguments)), arguments)
 
 
 def report_reading(project: Project, arguments: argparse.Namespace) -> None:
@@ -174,15 +174,18 @@ def report_reading(project: Project, arguments: argparse.Namespace) -> None:
         message = f"{counted(len(notes), 'note')} on reading: see `{command('check', arguments)}`"
         found = [each for each in found if each.severity != "note"]
         found.append(Diagnostic("reading", "note", message, whole_file(path)))
-    report((*found, *one_of_several(project)), arguments)
+    report((*found, *one_of_several(project, arguments)), arguments)
 
 
-def one_of_several(project: Project) -> Iterator[Diagnostic]:
+def one_of_several(project: Project, arguments: argparse.Namespace) -> Iterator[Diagnostic]:
     """Yield the note that several launch trees were taken for one robot, if they were."""
     if len(project.trees) > 1:
         number = len(project.trees)
         message = f"the nodes of {number} launch files were taken for one robot"
-        help_text = "`--launch LAUNCHFILE` takes one of them; `check -v` lists them"
+        way = "`--launch LAUNCHFILE` takes one of them"
+        if not hasattr(arguments, "launch"):
+            way = "name one of them in place of the folder to take it alone"
+        help_text = f"{way}; `check -v` lists them"
         span = whole_file(project.configuration.path)
         yield Diagnostic("launch", "note", message, span, help=help_text, kind="launch")
 

@@ -279,7 +279,9 @@ class Selection:
                 hidden.append(Hidden(each, "baseline", ""))
             else:
                 shown.append(each)
-        is_judged = "unused-ignore" not in choice.ignore
+        is_judged = "unused-ignore" not in choice.ignore and (
+            choice.select is None or "unused-ignore" in choice.select
+        )
         remarks = (
             *self._remarks(ignores if is_judged else (), found, project.diagnostics),
             *_selected_notes(+unlisted, project.configuration.path),

@@ -581,7 +581,9 @@ def test_statistics_are_a_line_a_kind(robots: Path, capsys: Captured) -> None:
     assert capsys.readouterr().out == "1 syntax\n"
     (robots / "empty").mkdir()
     assert run_here(["check", "empty", "gone.mars", "--statistics"]) == 2
-    assert capsys.readouterr().out == "2 unreadable\n"
+    output = capsys.readouterr()
+    assert output.out == "2 unreadable\n"
+    assert "gone.mars: no such file" in output.err and "empty: " in output.err
     assert run_here([*words, "--format", "json"]) == 2
     assert "leave out `--format json`" in capsys.readouterr().err
 

@@ -113,9 +113,11 @@ def test_import_lists_several_trees_and_takes_one(workspace: Path, capsys: Captu
 def test_other_verbs_report_that_they_took_all_trees_for_one_robot(
     workspace: Path, capsys: Captured
 ) -> None:
-    run_here(["facts", str(workspace)])
-    message = " ".join(capsys.readouterr().err.split())
-    assert "2 launch files were taken for one robot" in message and ":1:1" not in message
+    for words, way in ((["facts"], "`--launch"), (["verify"], "name one of them in place of")):
+        run_here([*words, str(workspace)])
+        message = " ".join(capsys.readouterr().err.split())
+        assert "2 launch files were taken for one robot" in message and ":1:1" not in message
+        assert way in message
 
 
 def test_verbose_lists_the_trees(workspace: Path, capsys: Captured) -> None:

@@ -156,6 +156,8 @@ def test_names_in_brackets_are_ignored(
     for each in {name, name.replace("_", "-")}:
         assert run_here(["check", "r", "--ignore", each]) == 0
         assert f"[{name}]" not in "".join(capsys.readouterr())
+    run_here(["check", "r", "--select", "unused_input"])
+    assert f"[{name}]" not in "".join(capsys.readouterr())
 
 
 def test_every_code_of_an_error_is_known_as_one() -> None:
