@@ -16,6 +16,7 @@ from mars_asp.cli.check_output import (
     Checked,
     left_out_text,
     new_warning_lines,
+    nothing_fixed,
     write_report,
 )
 from mars_asp.cli.deliver import (
@@ -148,7 +149,8 @@ def _show_changes(checked: Sequence[Checked], arguments: argparse.Namespace, sta
         left_out = sum(one.left_out for one in checked)
         further = f"; {left_out_text(left_out)}" if left_out else ""
         summary = f"{counted(repairs, 'finding')} would be fixed{within}{further}\n"
-        write_closing("".join((summary, *new_warning_lines(checked))))
+        choice = (f"{each}\n" for each in nothing_fixed(checked))
+        write_closing("".join((summary, *new_warning_lines(checked), *choice)))
     return status if is_wrong else int(bool(changes))
 
 

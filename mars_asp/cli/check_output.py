@@ -240,6 +240,18 @@ def _summary_sentences(
         yield f"{mendable} of them {has} exactly one repair{shown}; --fix applies {them}"
     if left_out := sum(one.left_out for one in checked):
         yield left_out_text(left_out)
+    if arguments.fix:
+        yield from nothing_fixed(checked)
+
+
+def nothing_fixed(checked: Sequence[Checked]) -> Iterator[str]:
+    """Yield the sentence that no finding has exactly one repair, if nothing else was the reason."""
+    codes = {each.diagnostic.code for one in checked for each in one.results}
+    left = [one.path for one in checked if one.status < 2 and any(one.counted.values())]
+    if left and "unfixed" not in codes and not any(one.mended for one in checked):
+        path = visible(left[0]) if len(left) == 1 else "FILE"
+        way = f"`mars-asp explain {path} --repair`"
+        yield f"no finding has exactly one repair: {way} shows all repairs"
 
 
 def left_out_text(number: int) -> str:

@@ -10,6 +10,7 @@ from mars_asp.asp.lint import Host
 from mars_asp.asp.lint import lint as lint_rules
 from mars_asp.asp.lint.found import LintFinding
 from mars_asp.asp.lint.recursion import RECURSION
+from mars_asp.asp.lint.sorts import VALUE
 from mars_asp.asp.rules.consistency import INCONSISTENT
 from mars_asp.asp.rules.declarations import declarations, misspelt_sorts, wrong_references
 from mars_asp.asp.rules.rule import Rule
@@ -79,7 +80,10 @@ def lint(packs: Sequence[Path], grounded: bool = True) -> LintResult:
         {INSERTED: frozenset({Signature("placed_before", 2), Signature("placed_after", 2)})},
     )
     # If packs were given and none could be read, there is nothing else to check.
-    lints: Sequence[LintFinding] = lint_rules(rulebook, host) if rulebook.packs or not packs else ()
+    lints: list[LintFinding] = [*lint_rules(rulebook, host)] if rulebook.packs or not packs else []
+    # An unknown severity is an error already, and no further value.
+    wrong = {each.span[:3] for each in errors if each.code == "rule-severity"}
+    lints = [e for e in lints if e.diagnostic.code != VALUE or e.diagnostic.span[:3] not in wrong]
     # Grounding a recursion that grows without end would not end.
     grows = any(each.diagnostic.code == RECURSION for each in lints)
     if grounded and rulebook.packs and not errors and not grows:

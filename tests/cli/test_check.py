@@ -613,6 +613,10 @@ def test_a_difference_shows_repairs_and_writes_nothing(robots: Path, capsys: Cap
     removed = [line for line in output.out.splitlines()[3:] if line.startswith("-")]
     assert removed == ["-Base is_controlled_by B 1", "-B uses_data_from C"]
     assert output.err == "2 findings would be fixed in 1 file\n"
+    for option in ("--diff", "--fix"):
+        run_here(["check", option, "choice.mars"])
+        message = " ".join(capsys.readouterr().err.split())
+        assert "`mars-asp explain choice.mars --repair` shows all repairs" in message
     assert (robots / "twice.mars").read_text() == TWICE
     assert run_here(["check", "--diff", "clean.mars", "--quiet"]) == 0
     assert capsys.readouterr() == ("", "")

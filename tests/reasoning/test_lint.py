@@ -93,6 +93,16 @@ def test_errors_and_lints_are_found_together(tmp_path: Path) -> None:
     assert {each.diagnostic.code for each in found.lints} == {"rule-redundant", "rule-unused"}
 
 
+def test_an_unknown_severity_is_one_error(tmp_path: Path) -> None:
+    pack = tmp_path / "pack.lp"
+    pack.write_text(
+        "%! id: heavy\n%! because: `{M}` is heavy\n%! who: M\n"
+        "consequence(heavy, warnin, M, 1) :- module(M).\n"
+    )
+    found = [each for each in reported(pack) if each[1] != "rule-metadata"]
+    assert found == [(4, "rule-severity")]
+
+
 def test_endless_rules_are_not_grounded(tmp_path: Path) -> None:
     pack = tmp_path / "pack.lp"
     pack.write_text("tower(1).\ntower(N + 1) :- tower(N).\n#show tower/1.\n")
