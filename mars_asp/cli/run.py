@@ -148,20 +148,15 @@ def _fits(
     arguments: argparse.Namespace,
 ) -> bool:
     """Print what keeps the specification from running in the scenario; return whether it can."""
-    from mars_asp.execution.executor.executor import unbound
+    from mars_asp.execution.executor.executor import incomplete
     from mars_asp.execution.executor.plan import Plan
     from mars_asp.execution.parts import in_parts
     from mars_asp.execution.scenario.agreement import disagreements
 
     plan = Plan(*in_parts(specification, modules), {})
-    found = list(disagreements(plan, scenario))
-    spans = {name.text: name.span for name in plan.configuration.modules}
-    run = functions.keys() | scenario.devices.keys()
-    for name in plan.names:
-        kind = plan.kind(name)
-        if kind in ("sensor", "data_out", "control_out") and name not in run:
-            span = spans.get(name, plan.configuration.span)
-            found.append(unbound(name, kind, span, has_inputs=bool(plan.data_in[name])))
+    robots = {robot.module for robot in scenario.robots}
+    run = functions.keys() | scenario.devices.keys() | robots
+    found = [*disagreements(plan, scenario), *incomplete(plan, run)]
     report(found, arguments)
     return all(each.severity != "error" for each in found)
 

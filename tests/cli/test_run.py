@@ -262,6 +262,14 @@ def test_a_dry_run_names_unbound_modules(suppressed: Path, capsys: Captured) -> 
     error = " ".join(capsys.readouterr().err.split())
     assert "`Avoid` is not bound (control out)" in error
     assert "bind `Avoid` to a Python function in the scenario" in error
+    # A run refuses the same: a module with functions that nothing moves, among others.
+    arm = ROBOT.replace("Mast", "Arm").replace("50\n", "50\nArm is_controlled_by Cruise\n", 1)
+    (suppressed / "r.mars").write_text(arm)
+    refused = []
+    for option in ("--dry-run", "--quiet"):
+        assert run_here(["run", "r.mars", "--scenario", "s.toml", option]) == 2
+        refused.append(sorted(re.findall(r"`(\w+)` is not bound", capsys.readouterr().err)))
+    assert refused[0] == refused[1] == ["Arm", "Avoid"]
 
 
 def test_a_comment_hides_a_warning_of_a_run(suppressed: Path, capsys: Captured) -> None:

@@ -1,6 +1,6 @@
 """The executor: builds and connects all modules and nodes, and steps in simulated time."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import partial
 from typing import Any
@@ -163,41 +163,11 @@ class Executor:
 
     def _refuse_incomplete(self) -> None:
         """Raise MarsError with all unbound modules, ambiguities and modules that never run."""
-        plan, problems = self.plan, []
-        whole = plan.configuration.span
+        plan = self.plan
         spans = {name.text: name.span for name in plan.configuration.modules}
-        for name in plan.names:
-            span = spans.get(name, whole)
-            kind = plan.kind(name)
-            if name in plan.behaviours or kind == "sink":
-                problems += self._never_runs(name, span)
-            elif kind in ("sensor", "data_out", "control_out", "completion") or (
-                kind == "effector" and plan.control_in[name]
-            ):
-                problems.append(unbound(name, kind, span, has_inputs=bool(plan.data_in[name])))
-        problems += [
-            unbound(
-                c.converter or c.transformer,
-                "converter",
-                spans.get(c.transformer, whole),
-                has_inputs=True,
-            )
-            for c in plan.configuration.conversions
-            if (c.converter or c.transformer) not in plan.behaviours
-        ]
-        nodes = [name for name in plan.names if plan.kind(name) == "inheritance_node"]
-        problems += [
-            _unknown_provider(node, provider, spans.get(provider, whole))
-            for node in nodes
-            for provider in plan.unknown_providers(node)
-        ]
-        for node in nodes:
-            problems += _stands_for_none(plan, node, spans.get(node, whole))
-        problems += [_open_input(plan, link) for link in plan.links if plan.left_open(link)]
-        problems += [_no_side(plan, link) for link in plan.links if plan.lacks_node(link)]
-        problems += _circles(plan)
-        links = (link for link in plan.links if link.stream == "data")
-        problems += [_no_value(plan, k) for k in links if lacks_value(plan.carried(k)[0])]
+        problems = [*incomplete(plan, plan.behaviours)]
+        for name in filter(plan.behaviours.__contains__, plan.names):
+            problems += self._never_runs(name, spans.get(name, plan.configuration.span))
         if problems:
             raise MarsError(problems)
 
@@ -521,7 +491,37 @@ def _open_input(plan: Plan, link: Link) -> Diagnostic:
     return Diagnostic("ambiguous-input", "error", message, link.span, (), help_text)
 
 
-def unbound(name: str, kind: str, span: Span, *, has_inputs: bool) -> Diagnostic:
+def incomplete(plan: Plan, bound: Container[str]) -> Iterator[Diagnostic]:
+    """Yield the errors that keep a plan from running, where the modules `bound` have behaviours."""
+    whole = plan.configuration.span
+    spans = {name.text: name.span for name in plan.configuration.modules}
+    for name in plan.names:
+        kind = plan.kind(name)
+        if name not in bound and (
+            kind in ("sensor", "data_out", "control_out", "completion")
+            or (kind == "effector" and plan.control_in[name])
+        ):
+            inputs = bool(plan.data_in[name])
+            yield _unbound(name, kind, spans.get(name, whole), has_inputs=inputs)
+    for each in plan.configuration.conversions:
+        converter = each.converter or each.transformer
+        if converter not in bound:
+            place = spans.get(each.transformer, whole)
+            yield _unbound(converter, "converter", place, has_inputs=True)
+    nodes = [name for name in plan.names if plan.kind(name) == "inheritance_node"]
+    for node in nodes:
+        for provider in plan.unknown_providers(node):
+            yield _unknown_provider(node, provider, spans.get(provider, whole))
+    for node in nodes:
+        yield from _stands_for_none(plan, node, spans.get(node, whole))
+    yield from (_open_input(plan, link) for link in plan.links if plan.left_open(link))
+    yield from (_no_side(plan, link) for link in plan.links if plan.lacks_node(link))
+    yield from _circles(plan)
+    links = (link for link in plan.links if link.stream == "data")
+    yield from (_no_value(plan, k) for k in links if lacks_value(plan.carried(k)[0]))
+
+
+def _unbound(name: str, kind: str, span: Span, *, has_inputs: bool) -> Diagnostic:
     """Return the error that nothing runs a module or converter; devices have no inputs."""
     message = f"`{name}` is not bound ({kind.replace('_', ' ')})"
     what = "a Python function" if has_inputs else "a device or a Python function"
