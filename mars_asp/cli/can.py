@@ -30,6 +30,8 @@ def run(arguments: argparse.Namespace) -> int:
     if os.path.exists(query) and not os.path.exists(path):  # noqa: PTH110 -- never raises
         words = shlex.join((query, path))
         return misuse("can", f"the query comes after the file: mars-asp can {visible(words)}")
+    if "of" in arguments.files and not os.path.exists("of"):  # noqa: PTH110 -- never raises
+        return misuse("can", "the query is one word: put it in quotes, as in 'Trans_Z of Base'")
     project = read_project(arguments, quietly=True)
     answer = capability(project, rulebook_for(arguments, ("can", "account")), arguments.query)
     report_reading(project, arguments)

@@ -393,8 +393,8 @@ def robots_in_folder(arguments: argparse.Namespace, path: str) -> "FolderRobots"
     if len(passed_over) > _MOST_NAMED:
         detail(arguments, f"excluded {len(passed_over) - _MOST_NAMED} more paths")
     if found.passed_over:
-        others = counted(found.passed_over, "YAML, XML or Python file")
-        detail(arguments, f"{others} in {path} passed over")
+        others = counted(found.passed_over, "other file")
+        detail(arguments, f"{others} in {path} passed over (no robot by content)")
     if not found.paths and passed_over and robots_in(Path(path)).paths:
         message = "each robot in the folder is excluded"
         help_text = "see `.gitignore`, `--exclude` and `exclude` of mars.toml; `-v` lists the paths"

@@ -32,7 +32,8 @@ def new_pack(topic: str, rulebook: Rulebook) -> tuple[str, ...]:
     folder = Path(topic)
     if not _TOPIC.fullmatch(topic):
         message = f"`{topic}` cannot be a name"
-        raise refusal("usage", message, topic, "write small letters, digits and `-`")
+        form = "begin with a small letter; then write small letters and digits, and `-` between"
+        raise refusal("usage", message, topic, form)
     if folder.exists() or folder.is_symlink():
         message = f"`{topic}` is there already"
         raise refusal("usage", message, topic, "choose another name, or remove it")

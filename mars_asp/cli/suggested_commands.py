@@ -15,15 +15,24 @@ def command(verb: str, arguments: argparse.Namespace, *words: str) -> str:
 
 
 def command_on_one(verb: str, arguments: argparse.Namespace, *words: str) -> str | None:
-    """Return a command line whose words precede its only file; None for several files."""
-    if len(arguments.files) > 1:
+    """Return a command line whose words precede its only file; None for several files.
+
+    None as well for chosen launch files, as not every command can choose them.
+    """
+    if len(arguments.files) > 1 or _chosen(arguments):
         return None
     lines = ["mars-asp", verb, *words, *arguments.files, *_readings(arguments)]
     return visible(shlex.join(lines))
 
 
 def _readings(arguments: argparse.Namespace) -> list[str]:
-    """Return the options for reading the robot: its sources, packs and format."""
-    given = (("--sources", arguments.sources), ("--rules", arguments.rules))
+    """Return the options for reading the robot: its launch files, sources, packs and format."""
+    launch = _chosen(arguments)
+    given = (("--launch", launch), ("--sources", arguments.sources), ("--rules", arguments.rules))
     words = [word for option, values in given for value in values for word in (option, value)]
     return [*words, "--from", arguments.from_format] if arguments.from_format else words
+
+
+def _chosen(arguments: argparse.Namespace) -> list[str]:
+    """Return the chosen launch files; not every command can choose some."""
+    return list(arguments.launch) if "launch" in arguments else []

@@ -50,7 +50,7 @@ class FolderRobots(NamedTuple):
     """The robots in a folder, in the order of their paths, and notes on its other files.
 
     A robot is a file, or a folder with packages and launch files of ROS. `passed_over` is the
-    number of YAML, XML and Python files that are neither a robot nor in one.
+    number of YAML, XML, Python and text files that are neither a robot nor in one.
     """
 
     paths: tuple[Path, ...]

@@ -162,6 +162,8 @@ def test_a_file_with_a_dash_in_front_is_named_with_its_folder(
         (["import", FIGURE], "is not known by its content: mars-asp import FORMAT FILE"),
         (["rules", "list", "tests"], "`rules list --rules tests` adds a pack"),
         (["can", "Rotn_Y of A", FIGURE], "the query comes after the file: mars-asp can "),
+        (["can", FIGURE, "Rotn_Y", "of", "A"], "put it in quotes, as in 'Trans_Z of Base'"),
+        (["rules", "new", "3d-lidar"], "begin with a small letter; then write small letters"),
         (["explain", "guard_bypas"], "did you mean `guard_bypass`? A module of a robot"),
     ],
 )

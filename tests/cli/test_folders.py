@@ -274,7 +274,7 @@ def test_verbose_lists_settings_robots_and_steps(here: Path, capsys: Captured) -
         "settings mars.toml",
         "robot b.mars",
         "robot w",
-        "1 YAML, XML or Python file in . passed over",
+        "1 other file in . passed over (no robot by content)",
         "reading b.mars",
         "analysing",
         "reading w",

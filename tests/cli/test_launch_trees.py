@@ -120,6 +120,14 @@ def test_other_verbs_report_that_they_took_all_trees_for_one_robot(
         assert way in message
 
 
+def test_suggested_commands_are_about_the_same_launch_files(
+    workspace: Path, capsys: Captured
+) -> None:
+    run_here(["draw", str(workspace), "--launch", "one.launch.xml", "--as", "dot"])
+    message = " ".join(capsys.readouterr().err.split())
+    assert "see `mars-asp check ws --launch one.launch.xml`" in message
+
+
 def test_verbose_lists_the_trees(workspace: Path, capsys: Captured) -> None:
     run_here(["check", "-v", str(workspace)])
     assert "launch file ws/src/drive/launch/one.launch.xml" in capsys.readouterr().err
