@@ -23,17 +23,21 @@ _Measured: TypeAlias = tuple[list[str], dict[str, object]]
 
 
 def measured(
-    found: Sequence[FoundCase], books: Mapping[Path | None, Rulebook], arguments: argparse.Namespace
+    books: Mapping[FoundCase, Rulebook], arguments: argparse.Namespace
 ) -> tuple[Mapping[str, object], Sequence[str], int]:
     """Return the coverage and mutants of the rules of each pack as JSON, as lines, and the status.
 
-    The status is 1 if a rule or a mutant is missed. `books` has the rules of each pack.
+    The status is 1 if a rule or a mutant is missed. `books` has the rules of each case.
     """
     requested = {"coverage": arguments.coverage, "mutants": arguments.mutate}
     result: dict[str, list[dict[str, object]]] = {name: [] for name in requested if requested[name]}
     lines: list[str] = []
-    for pack, rulebook in books.items():
-        cases = [tried(each.path, rulebook) for each in found if each.pack == pack]
+    together: dict[tuple[Path | None, int], list[FoundCase]] = {}
+    for each, rulebook in books.items():
+        together.setdefault((each.pack, id(rulebook)), []).append(each)
+    for (pack, _), found in together.items():
+        rulebook = books[found[0]]
+        cases = [tried(each.path, rulebook) for each in found]
         of = "the given rules" if pack is None else visible(str(pack))
         entries: dict[str, _Measured] = {}
         if arguments.coverage:

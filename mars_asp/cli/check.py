@@ -149,7 +149,7 @@ def _show_changes(checked: Sequence[Checked], arguments: argparse.Namespace, sta
         left_out = sum(one.left_out for one in checked)
         further = f"; {left_out_text(left_out)}" if left_out else ""
         summary = f"{counted(repairs, 'finding')} would be fixed{within}{further}\n"
-        choice = (f"{each}\n" for each in nothing_fixed(checked))
+        choice = (f"{each}\n" for each in nothing_fixed(checked, arguments))
         write_closing("".join((summary, *new_warning_lines(checked), *choice)))
     return status if is_wrong else int(bool(changes))
 

@@ -28,6 +28,7 @@ from mars_asp.cli.inputs import STANDARD_INPUT
 from mars_asp.cli.lines import line_text
 from mars_asp.cli.results import Result
 from mars_asp.cli.selection import hidden_text
+from mars_asp.cli.suggested_commands import command_on
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.cli.wrapping import columns, wrapped
 from mars_asp.diagnostic import NOT_READ, Severity, brief
@@ -241,17 +242,17 @@ def _summary_sentences(
     if left_out := sum(one.left_out for one in checked):
         yield left_out_text(left_out)
     if arguments.fix:
-        yield from nothing_fixed(checked)
+        yield from nothing_fixed(checked, arguments)
 
 
-def nothing_fixed(checked: Sequence[Checked]) -> Iterator[str]:
+def nothing_fixed(checked: Sequence[Checked], arguments: argparse.Namespace) -> Iterator[str]:
     """Yield the sentence that no finding has exactly one repair, if nothing else was the reason."""
     codes = {each.diagnostic.code for one in checked for each in one.results}
     left = [one.path for one in checked if one.status < 2 and any(one.counted.values())]
     if left and "unfixed" not in codes and not any(one.mended for one in checked):
-        path = visible(left[0]) if len(left) == 1 else "FILE"
-        way = f"`mars-asp explain {path} --repair`"
-        yield f"no finding has exactly one repair: {way} shows all repairs"
+        path = left[0] if len(left) == 1 else "FILE"
+        way = f"`{command_on(path, 'explain', arguments, '--repair')}`"
+        yield f"no finding has exactly one repair: {way} shows all that there are"
 
 
 def left_out_text(number: int) -> str:

@@ -3,6 +3,7 @@
 import argparse
 import os
 import re
+import shlex
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import islice
 from pathlib import Path
@@ -343,7 +344,8 @@ def only_robot(arguments: argparse.Namespace, path: str) -> str:
         message = f"the folder has {number} robots"
         named = ", ".join(f"`{each}`" for each in found.paths[:_MOST_NAMED])
         rest = f" and {number - _MOST_NAMED} more" if number > _MOST_NAMED else ""
-        help_text = f"name one of them: {named}{rest}; `mars-asp check {path}` judges all"
+        way = visible(shlex.join(["mars-asp", "check", path]))
+        help_text = f"name one of them: {named}{rest}; `{way}` judges all"
         if Path(path) in found.paths:
             help_text += f"; `--from ros2` takes `{path}` for a workspace alone"
         raise refusal("usage", message, path, help_text)
@@ -433,7 +435,6 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
     found: list[RobotFiles] = []
     foreign: list[str] = []
     for path in paths:
-        shown = shown_input(arguments) if path == STANDARD_INPUT else path
         if is_passed_over(arguments, path):
             continue
         if os.path.isdir(path):  # noqa: PTH112 -- never raises
@@ -451,8 +452,6 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
                 continue
             found.append(RobotFiles([path], notes=within.notes))
             continue
-        _print_settings(arguments, Path(shown).parent)
-        detail(arguments, f"robot {path}")
         if len(paths) == 1 or path == STANDARD_INPUT or not _is_foreign(arguments, path):
             found.append(RobotFiles([path]))
         else:
@@ -463,6 +462,13 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
     first: dict[tuple[str, ...], RobotFiles] = {}
     for robot in found:
         first.setdefault(tuple(map(os.path.realpath, robot.paths)), robot)
+    for robot in first.values():
+        path = robot.paths[0]
+        # Those in folders are listed with their folder.
+        if path in paths and not os.path.isdir(path):  # noqa: PTH112 -- never raises
+            shown = shown_input(arguments) if path == STANDARD_INPUT else path
+            _print_settings(arguments, Path(shown).parent)
+            detail(arguments, f"robot {', '.join(robot.paths)}")
     return list(first.values())
 
 

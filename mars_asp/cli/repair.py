@@ -49,7 +49,14 @@ def run_repair(project: Project, arguments: argparse.Namespace, subject: str | N
         found = repairs_by_hand(project, rulebook, analysis, subject)
     else:
         with progress_bar(arguments, "sets of edits") as progress:
-            found = repairs(project, rulebook, subject, arguments.time_limit, progress)
+            found = repairs(
+                project,
+                rulebook,
+                subject,
+                arguments.time_limit,
+                progress,
+                reported=lambda every: selection.among(project, every).shown,
+            )
     shown = selection.among(project, [repair.consequence for repair in found]).shown
     if subject is None:
         found = tuple(repair for repair in found if repair.consequence in shown)

@@ -5,6 +5,7 @@ specification stays the same. Options replace the settings of the same name.
 """
 
 import argparse
+import shlex
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property, partial
@@ -25,7 +26,8 @@ from mars_asp.diagnostic import (
     refusal,
     whole_file,
 )
-from mars_asp.output import counted
+from mars_asp.output import counted, visible
+from mars_asp.reading import SHOWN_INPUT
 from mars_asp.reasoning.analysis import Analysis, Consequence, read_consequences
 from mars_asp.reasoning.findings import consequence_kinds, kinds_of
 from mars_asp.reasoning.project import Project
@@ -100,13 +102,12 @@ def add_selection(parser: argparse.ArgumentParser, writes: bool = True) -> None:
 
 def _selected_notes(numbers: Mapping[str, int], path: str) -> Iterator[Diagnostic]:
     """Yield a note for each selected kind with findings that are only notes."""
+    way = visible(shlex.join(["mars-asp", "analyse", "-" if path == SHOWN_INPUT else path]))
     for kind, number in numbers.items():
         message = (
             f"{counted(number, 'finding')} of `{kind}` not reported, as `check` leaves out notes"
         )
-        yield Diagnostic(
-            "kind", "note", message, whole_file(path), help=f"`mars-asp analyse {path}` lists them"
-        )
+        yield Diagnostic("kind", "note", message, whole_file(path), help=f"`{way}` lists them")
 
 
 def _kinds(text: str) -> list[str]:

@@ -4,6 +4,7 @@ import argparse
 import shlex
 
 from mars_asp.output import visible
+from mars_asp.reading import SHOWN_INPUT
 
 
 def command(verb: str, arguments: argparse.Namespace, *words: str) -> str:
@@ -25,12 +26,23 @@ def command_on_one(verb: str, arguments: argparse.Namespace, *words: str) -> str
     return visible(shlex.join(lines))
 
 
+def command_on(path: str, verb: str, arguments: argparse.Namespace, *words: str) -> str:
+    """Return a command line about one file, where `-` is standard input."""
+    name = "-" if path == SHOWN_INPUT else path
+    return command(verb, argparse.Namespace(**vars(arguments) | {"files": [name]}), *words)
+
+
 def _readings(arguments: argparse.Namespace) -> list[str]:
-    """Return the options for reading the robot: its launch files, sources, packs and format."""
-    launch = _chosen(arguments)
-    given = (("--launch", launch), ("--sources", arguments.sources), ("--rules", arguments.rules))
+    """Return the options for reading the robot: launch files, sources, packs, format, settings."""
+    given = (
+        ("--launch", _chosen(arguments)),
+        ("--sources", arguments.sources),
+        ("--rules", arguments.rules),
+        ("--from", [arguments.from_format] if arguments.from_format else []),
+        ("--config", [arguments.config] if arguments.config else []),
+    )
     words = [word for option, values in given for value in values for word in (option, value)]
-    return [*words, "--from", arguments.from_format] if arguments.from_format else words
+    return [*words, "--isolated"] if arguments.isolated else words
 
 
 def _chosen(arguments: argparse.Namespace) -> list[str]:

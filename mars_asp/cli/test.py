@@ -2,6 +2,7 @@
 
 import argparse
 import re
+import shlex
 import sys
 import time
 from collections.abc import Iterable, Mapping, Sequence
@@ -96,23 +97,23 @@ def run_once(arguments: argparse.Namespace) -> int:
         raise MarsError(problem for each in unread for problem in each.problems)
     there = [path for path in arguments.paths if path not in missing]
     found = cases_of(map(Path, there), rules)
-    robots = [each for each in found if each.pack is None and each.path.suffix == SUFFIX]
-    if robots and not rules:
-        rules = packs_for(arguments, robots[0].path.parent)
+    packs = {each: _packs_of(each, rules, arguments) for each in found}
     if arguments.snapshot:
-        return _snapshot(found, rules, arguments)
+        return _snapshot(packs, arguments)
     if there and not found:
         where = ", ".join(map(visible, there))
         message = f"no case in {where}: cases are `.lp` and `.mars` files with an expectation"
         print(f"mars-asp test: {message}", file=sys.stderr)
-    packs = {each.pack for each in found}
-    books = {pack: _rulebook(pack, rules, arguments.trust) for pack in packs}
-    ran = [*unread, *(_ran(each, books[each.pack]) for each in found)]
+    loaded = {
+        each: load_rulebook(each, STAGES, trusted=arguments.trust) for each in {*packs.values()}
+    }
+    books = {each: loaded[packs[each]] for each in found}
+    ran = [*unread, *(_ran(each, books[each]) for each in found)]
     problems: list[Diagnostic] = [problem for each in ran for problem in each.problems]
     updated = _updated(ran) if arguments.update and not problems else {}
     # What an update leaves as it is may still fail; the files change when the command ends.
     with overlay({str(path): text for path, text in updated.items()}):
-        again = {each.path: _ran(each, books[each.pack]) for each in found if each.path in updated}
+        again = {each.path: _ran(each, books[each]) for each in found if each.path in updated}
     ran = [again.get(each.path, each) for each in ran]
     if arguments.junit:
         write_file(arguments.junit, junit(ran))
@@ -127,7 +128,7 @@ def run_once(arguments: argparse.Namespace) -> int:
     if arguments.mutate and not all_pass:
         print("mars-asp test: mutants are tried when all cases pass", file=sys.stderr)
     arguments.mutate = arguments.mutate and all_pass
-    result, lines, status = _measured(found, books, arguments)
+    result, lines, status = _measured(books, arguments)
     print_outcomes(outcomes, arguments, result, lines, updated)
     if problems:
         return 2
@@ -138,11 +139,21 @@ def _advice(path: str) -> str | None:
     """Return how to run the cases that a path may mean: those of one line, or of one title."""
     file = path.partition(":")[0]
     if file != path and Path(file).exists():
-        return f"name the file, all of whose cases are run: `mars-asp test {file}`"
+        way = visible(shlex.join(["mars-asp", "test", file]))
+        return f"name the file, all of whose cases are run: `{way}`"
     return None if Path(path).parent.name or "." in path else "name files or folders of cases"
 
 
-def _snapshot(found: Sequence[FoundCase], rules: list[Path], arguments: argparse.Namespace) -> int:
+def _packs_of(
+    found: FoundCase, rules: Sequence[Path], arguments: argparse.Namespace
+) -> tuple[Path, ...]:
+    """Return the packs of a case: those given, or of the settings of a robot, and its own."""
+    is_robot = found.pack is None and found.path.suffix == SUFFIX
+    own = () if found.pack is None else with_companions(found.pack)
+    return (*(rules or (packs_for(arguments, found.path.parent) if is_robot else ())), *own)
+
+
+def _snapshot(found: Mapping[FoundCase, tuple[Path, ...]], arguments: argparse.Namespace) -> int:
     """Write the current results of robots into their files as the expected ones.
 
     Raises:
@@ -157,18 +168,13 @@ def _snapshot(found: Sequence[FoundCase], rules: list[Path], arguments: argparse
         raise refusal("case", "a snapshot is of a robot", place, advice)
     written = []
     for each in robots:
-        text = snapshot(each.path, _rulebook(each.pack, rules, arguments.trust))
+        text = snapshot(each.path, load_rulebook(found[each], STAGES, trusted=arguments.trust))
         before = each.path.read_bytes()
         written.append((str(each.path), text.encode(), before))
     replace_files(written)
     for path, _, _ in written:
         print(f"wrote {visible(path)}")
     return 0
-
-
-def _rulebook(pack: Path | None, rules: list[Path], trusted: bool) -> Rulebook:
-    companions = () if pack is None else with_companions(pack)
-    return load_rulebook([*rules, *companions], STAGES, trusted=trusted)
 
 
 def _ran(found: FoundCase, rulebook: Rulebook) -> CaseFileResult:
@@ -181,14 +187,14 @@ def _ran(found: FoundCase, rulebook: Rulebook) -> CaseFileResult:
 
 
 def _measured(
-    found: Iterable[FoundCase], books: dict[Path | None, Rulebook], arguments: argparse.Namespace
+    books: Mapping[FoundCase, Rulebook], arguments: argparse.Namespace
 ) -> tuple[Mapping[str, object], Sequence[str], int]:
     """Return the results of `--coverage` and `--mutate` as JSON and as lines, and the status."""
     if not arguments.coverage and not arguments.mutate:
         return {}, (), 0
     from mars_asp.cli.cases_measure import measured
 
-    return measured(tuple(found), books, arguments)
+    return measured(books, arguments)
 
 
 def _updated(ran: Iterable[CaseFileResult]) -> Mapping[Path, str]:

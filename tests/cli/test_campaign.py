@@ -212,7 +212,7 @@ def test_another_campaign_is_refused(
     ("words", "message"),
     [
         (["--seeds", "1", "--vary", "robot.raduis=1"], "unknown key `raduis`"),
-        (["--seeds", "1", "--vary", "modules.D=off"], "`D` is not run by a Python function"),
+        (["--seeds", "1", "--vary", "modules.D=off"], "`D` is not a module of the specification"),
         (["--seeds", "1", "--vary", "modules.P=off"], "`P` is not run by a Python function"),
         (["--seeds", "1", "--vary", "bindings.CC.period=9"], "did you mean `C`?"),
         (["--seeds", "1", "--plot", "x.svg"], "there is no key with several values"),

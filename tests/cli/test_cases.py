@@ -70,6 +70,22 @@ def test_the_cases_are_judged_as_the_update_leaves_them(
         assert "`mars-asp test a.mars`" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("order", [["a", "b"], ["b", "a"], ["."]])
+def test_each_robot_has_the_packs_of_its_own_settings(
+    order: list[str], tmp_path: Path, monkeypatch: Patch, capsys: Captured
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    run_here(["rules", "new", "wheel-slip"])
+    for name in ("a", "b"):
+        Path(name).mkdir()
+    Path("a/r.mars").write_text("@configuration\n@modules A\n# expect cost: nodes 0\n")
+    Path("wheel-slip/cases/robot.mars").rename("b/robot.mars")
+    Path("b/mars.toml").write_text('rules = ["../wheel-slip"]\n')
+    Path("wheel-slip/cases/wheel-slip.lp").unlink()
+    assert run_here(["test", *order]) == 0
+    assert capsys.readouterr().out.endswith("2 passed, 0 failed\n")
+
+
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
 def test_an_update_adds_the_findings_to_a_case_without_expectations(odd: Path, end: str) -> None:
     case = odd / "cases" / "new.lp"

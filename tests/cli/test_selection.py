@@ -133,6 +133,15 @@ def test_settings_take_kinds_and_rules(folder: Path, capsys: Captured) -> None:
     assert (status, remark) == (2, f"1:11 no rule finds `cycle`|{advice}")
 
 
+def test_a_hidden_error_hides_no_repair_of_a_warning(folder: Path, capsys: Captured) -> None:
+    (folder / "r").write_text(
+        "@configuration hierarchical\n@modules A, B, C\nA uses_data_from D\n"
+        "C is_controlled_by A 3\nC is_controlled_by B 3\n"
+    )
+    assert run_here(["explain", "r", "--repair", "--ignore", "undeclared_module"]) == 0
+    assert "ambiguous_priority: `A` and `B`" in " ".join(capsys.readouterr().out.split())
+
+
 @pytest.mark.parametrize("name", [WARNING, "control/ambiguous-priority"])
 def test_kinds_and_rules_name_findings_to_explain(name: str, capsys: Captured) -> None:
     assert run_here(["explain", "a.mars", name]) == 1

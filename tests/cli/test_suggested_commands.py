@@ -44,6 +44,20 @@ def test_a_suggested_command_works(
     assert capsys.readouterr().out.strip()
 
 
+def test_suggested_commands_quote_names_and_keep_settings(
+    tmp_path: Path, capsys: Captured, monkeypatch: Patch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    lines = "C is_controlled_by A 1\nC is_controlled_by B 1\n"
+    text = f"@configuration hierarchical\n@modules A, B, C\n{lines}"
+    Path("a b.mars").write_text(text)
+    run_here(["check", "a b.mars", "--fix", "--isolated"])
+    shown = " ".join(capsys.readouterr().err.split())
+    assert "`mars-asp explain 'a b.mars' --repair --isolated`" in shown
+    run_here(["check", "a b.mars", "--select", "control_convergence", "--format", "full"])
+    assert "`mars-asp analyse 'a b.mars'`" in "".join(capsys.readouterr())
+
+
 def test_programs_read_each_line_of_standard_error(tmp_path: Path, capsys: Captured) -> None:
     file = tmp_path / "fast.mars"
     file.write_text(

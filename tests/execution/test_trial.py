@@ -99,9 +99,9 @@ def test_a_module_with_nothing_to_run_it_is_reported_where_it_is_named() -> None
     assert (found.span.line, found.span.column) == (2, 13)
 
 
-@pytest.mark.parametrize("name", ["P", "Cc"])
-def test_a_fault_that_nothing_has_is_refused(name: str) -> None:
-    with pytest.raises(MarsError, match="is not run by a Python function or a sensing") as raised:
+@pytest.mark.parametrize(("name", "message"), [("P", "run by a Python"), ("Cc", "a module of")])
+def test_a_fault_that_nothing_has_is_refused(name: str, message: str) -> None:
+    with pytest.raises(MarsError, match=f"is not {message}") as raised:
         trial(f'{BASE}{HAND}[faults.{name}]\nkind = "silent"\n')
     assert raised.value.diagnostics[0].span.line == 7
 

@@ -129,6 +129,8 @@ def _faults(plan: Plan, scenario: Scenario) -> Iterator[Diagnostic]:
     able = (able | {*reading}) - {robot.module for robot in scenario.robots}
     for name in sorted(scenario.faults.keys() - able):
         hint = suggestion(name, able, f"one of {', '.join(sorted(able))}")
-        message = f"`{name}` is not run by a Python function or a sensing device"
+        message = f"`{name}` is not a module of the specification"
+        if name in plan.names:
+            message = f"`{name}` is not run by a Python function or a sensing device"
         place = scenario.places[f"faults.{name}"]
         yield Diagnostic("scenario", "error", message, place, (), hint)

@@ -115,9 +115,11 @@ def repairs(
     progress: Callable[[int, int], None] | None = None,
     with_warnings: bool = False,
     most_facts: int | None = None,
+    reported: Callable[[Sequence[Consequence]], Sequence[Consequence]] = lambda found: found,
 ) -> tuple[Repair, ...]:
     """Return repairs of every error, or of every warning if there is no error.
 
+    Without a subject only those of findings count that `reported` returns.
     `subject` selects findings by kind, subject or `kind(subject)` instead; `with_warnings`
     includes warnings beside errors. The search ends after `most_facts` solved facts, by default
     `MOST_FACTS`, or after `seconds`. `rulebook` contains the stages `STAGES`. `progress` is
@@ -133,7 +135,8 @@ def repairs(
     analysis = analyse(facts, rulebook, project.configuration.span, with_labels=True)
     if project.format is not None:
         return repairs_by_hand(project, rulebook, analysis, subject)
-    findings = _findings_to_repair(analysis.consequences, subject, with_warnings)
+    consequences = analysis.consequences if subject else reported(analysis.consequences)
+    findings = _findings_to_repair(consequences, subject, with_warnings)
     if not findings:
         if subject is not None:
             _check_subject(subject, project, rulebook)

@@ -89,7 +89,7 @@ def remarks(robot: str = ROBOT, **changed: str) -> list[tuple[int, str, str, str
         (
             "more",
             '[faults.Mao]\nkind = "silent"\n',
-            "`Mao` is not run by a Python function or a sensing device",
+            "`Mao` is not a module of the specification",
             "did you mean `Map`?",
         ),
     ],

@@ -36,8 +36,8 @@ def test_cases(folder: Path, update_golden: bool, monkeypatch: Patch) -> None:
     """The printed repairs; each of them, applied to the file, removes its finding."""
     calls: list[tuple[Project, tuple[Repair, ...]]] = []
 
-    def noted(project: Project, *rest: Any) -> tuple[Repair, ...]:
-        calls.append((project, repairs(project, *rest)))
+    def noted(project: Project, *rest: Any, **options: Any) -> tuple[Repair, ...]:
+        calls.append((project, repairs(project, *rest, **options)))
         return calls[-1][1]
 
     monkeypatch.chdir(ROOT)
