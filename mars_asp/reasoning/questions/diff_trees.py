@@ -27,13 +27,11 @@ class TreeLines:
         for owner, text, span in _of_nodes(facts):
             spans = self._facts.setdefault(owner, {})
             spans.setdefault(self._relative(text), set()).add(span)
-        paths = sorted({fact.span.path for fact in facts})
-        #: The lines of each file that are locations of facts.
-        self._starts = {
-            path: sorted({fact.span.line for fact in facts if fact.span.path == path})
-            for path in paths
-        }
-        self._lines = {path: [line.strip() for line in lines_of(path)] for path in paths}
+        #: The lines of each file that are locations of facts, sorted.
+        self._starts: dict[str, list[int]] = {}
+        for path, line in sorted({(fact.span.path, fact.span.line) for fact in facts}):
+            self._starts.setdefault(path, []).append(line)
+        self._lines = {path: [line.strip() for line in lines_of(path)] for path in self._starts}
         self._count = Counter(line for _, line in self._located())
 
     def _relative(self, text: str) -> str:
