@@ -170,12 +170,12 @@ class _Side:
 
     def __init__(self, reasoner: Reasoner, lines_of: LinesOf, is_launched: bool) -> None:
         self.findings: Sequence[Consequence] = ()
-        self.tree_lines = TreeLines(reasoner.project, lines_of)
         self.is_launched = is_launched
+        launched: Sequence[Fact] = ()
         if is_launched:
-            self.findings = analyse_trees(
-                reasoner.project, load_rulebook(stages=(STAGE,))
-            ).consequences
+            judged = analyse_trees(reasoner.project, load_rulebook(stages=(STAGE,)))
+            self.findings, launched = judged.consequences, judged.facts
+        self.tree_lines = TreeLines(launched, reasoner.project.configuration.path, lines_of)
         evidence = reasoner.evidence(resolved=True)
         self.project, self.rulebook = reasoner.project, reasoner.rulebook
         self.analysis, self.synthesis = evidence.analysis, reasoner.synthesis

@@ -7,8 +7,6 @@ from sys import maxsize
 
 from mars_asp.asp.solve.atoms import Fact
 from mars_asp.diagnostic import Span, point
-from mars_asp.reasoning.facts.launched import launch_facts
-from mars_asp.reasoning.project import Project
 
 #: Facts that compare nodes, or locate them.
 _OBSERVED = frozenset({"place", "starts_like"})
@@ -19,10 +17,12 @@ _Line = tuple[str, str]
 class TreeLines:
     """The lines from which the launch trees of a robot were read, and the facts of each node."""
 
-    def __init__(self, project: Project, lines_of: Callable[[str], Sequence[str]]) -> None:
-        folder = project.configuration.path.rstrip("/")
+    def __init__(
+        self, facts: Sequence[Fact], folder: str, lines_of: Callable[[str], Sequence[str]]
+    ) -> None:
+        """Take the facts of launch trees; paths are compared relative to the robot's folder."""
+        folder = folder.rstrip("/")
         self._prefix = "" if folder == "." else f"{folder}/"
-        facts = launch_facts(project.trees)
         self._facts: dict[str, dict[str, set[Span]]] = {}
         for owner, text, span in _of_nodes(facts):
             spans = self._facts.setdefault(owner, {})
@@ -87,14 +87,8 @@ class TreeLines:
 
     def naming(self, words: Collection[str], spans: Iterable[Span]) -> frozenset[Span]:
         """Return those of some locations whose line has one of the words."""
-        return frozenset(
-            span for span in spans if any(word in self._line(span)[1] for word in words)
-        )
-
-    def _line(self, span: Span) -> _Line:
-        lines = self._lines.get(span.path, ())
-        text = lines[span.line - 1] if span.line <= len(lines) else ""
-        return self._relative(span.path), text
+        lines = ((span, self._lines[span.path][span.line - 1]) for span in spans)
+        return frozenset(span for span, line in lines if any(word in line for word in words))
 
 
 def _of_nodes(facts: Iterable[Fact]) -> Iterator[tuple[str, str, Span]]:
