@@ -17,7 +17,7 @@ from functools import partial
 from pathlib import Path
 
 import mars_asp
-from mars_asp.asp.lint.catalogue import PAGES
+from mars_asp.asp.lint.catalogue import PAGES, page_text
 from mars_asp.asp.rules.rule import Rule
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli import run_here
@@ -210,13 +210,7 @@ def _lints() -> Iterator[str]:
     yield "`%! allow: CODE REASON` above a rule switches a lint off for that rule. Each example"
     yield "is a whole file, which the tests lint; sorts such as `city` are its own.\n"
     for page in PAGES:
-        yield f"## {page.code}\n"
-        yield f"**{page.title}.** {page.what}\n"
-        yield f"Why: {page.why}\n"
-        if page.fixed:
-            yield f"`--fix` writes {page.fixed}.\n"
-        yield f"Reported:\n\n```clingo\n{page.bad}```\n"
-        yield f"Not reported:\n\n```clingo\n{page.good}```\n"
+        yield f"{page_text(page)}\n"
 
 
 def _contents() -> Iterator[str]:

@@ -22,8 +22,9 @@ from mars_asp.model.declarations import SERVICE_KINDS, Mode, Service
 MOST_ANNOTATIONS = 500
 _MOST_SHOWN = 80
 _COMPLETED = (Mode("NotifyWhenReady", text="NotifyWhenReady"),)
-#: How the function of a `@Done` or `@Reset` is called, by its greatest number of inputs.
+#: How the function of a `@Done` or `@Reset` is called, and how many inputs it has, by the most.
 _CALLED = ("without arguments", "without arguments, or with the message of the reset")
+_INPUTS = (("inputs", "none"), ("several inputs", "at most one"))
 _BEFORE = (
     "put the annotation before its function, or state the function with `@Signature DECLARATION`"
 )
@@ -166,8 +167,10 @@ class Pending:
                 continue
             most = {"Done": 0, "Reset": 1}.get(service.kind, len(signature.inputs))
             if len(signature.inputs) > most:
-                message = f"`@{service.kind}` for a function with inputs: {len(signature.inputs)}"
-                help_text = f"`{declaration.name}` is called {_CALLED[most]}"
+                found, allowed = _INPUTS[most]
+                message = f"`{declaration.name}` has {found}, and a function with `@{service.kind}`"
+                message += f" has {allowed}"
+                help_text = f"it is called {_CALLED[most]}"
                 self._problems.note("MARS216", at, at, message, help_text)
                 continue
             bound.append(

@@ -301,6 +301,7 @@ def ordered(words: Sequence[str]) -> list[str]:
             f"--{rest[0]}" if is_option else nearest(rest[0], (*VERBS, *ALIASES), _ALIKE_VERB)
         )
         hint = f"did you mean `{near}`?" if near else f"one of {', '.join(VERBS)}"
+        hint = help_texts()["advice"].get(rest[0], hint)
         parser.error(f"there is no command `{rest[0]}`: {hint}")
     return [rest[0], *before, *rest[1:]]
 

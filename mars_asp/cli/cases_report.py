@@ -58,7 +58,9 @@ def print_outcomes(
 
 def _failure_lines(check: Check) -> Iterator[str]:
     for failure in check.failures:
-        yield f"  {visible(failure.span.location)}: expected {visible(failure.expected)}"
+        is_atom = failure.expected.startswith("`") and not failure.lines
+        found = ", and it is not there" if is_atom else ""
+        yield f"  {visible(failure.span.location)}: expected {visible(failure.expected)}{found}"
         yield from map(visible, failure.lines)
 
 

@@ -260,6 +260,9 @@ def _read_file(arguments: argparse.Namespace, path: str, text: str | None = None
         return ForeignFile(path, "", "ros2")
     if text is None and (package := package_named(path)) is not None:
         raise MarsError([unreadable(path, "no such file", f"the package is in `{package}`")])
+    if text is None and ":=" in path and not os.path.lexists(path):
+        help_text = "leave the argument out: every branch of a launch file is read"
+        raise MarsError([unreadable(path, "no such file", help_text)])
     if text is None and not os.path.lexists(path) and (near := _file_like(path)) is not None:
         raise MarsError([unreadable(path, "no such file", f"did you mean `{near}`?")])
     if text is None:

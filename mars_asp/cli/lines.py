@@ -1,14 +1,15 @@
 """Lines of files, as traces and findings show them."""
 
-import linecache
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mars_asp.diagnostic import Span
+from mars_asp.language.parse import plain_lines
 from mars_asp.output import counted, visible
-from mars_asp.reading import check_walls, is_hidden
+from mars_asp.reading import check_walls, decoded, is_hidden
 
 if TYPE_CHECKING:
     from mars_asp.asp.rules.rule import Rule
@@ -18,17 +19,24 @@ if TYPE_CHECKING:
 MOST = 150
 #: Lines of larger files are not shown.
 _MOST_BYTES = 256 * 1024 * 1024
+#: The lines of files that were quoted or are to be, by path.
+_kept: dict[str, Sequence[str]] = {}
 
 
 def remember(path: str, text: str) -> None:
     """Keep the text of a file, to quote lines of it later; a pipe can be read only once."""
-    lines = [f"{line}\n" for line in text.split("\n")]
-    linecache.cache[path] = (len(text), None, lines, path)
+    lines = text.split("\n")
+    _kept[path] = lines if lines[-1] else lines[:-1]
 
 
 def forget(path: str) -> None:
     """Discard the kept text of a file, so that it is read again."""
-    linecache.cache.pop(path, None)
+    _kept.pop(path, None)
+
+
+def forget_all() -> None:
+    """Discard the kept texts of all files."""
+    _kept.clear()
 
 
 def line_at(span: Span) -> str:
@@ -39,27 +47,24 @@ def line_at(span: Span) -> str:
 def whole_line(span: Span) -> str:
     """Return the line of a file at the start of a span; empty if it cannot be read."""
     # Of a whole file there is no line, and it would be read.
-    return linecache.getline(span.path, span.line) if span.line and _can_show(span.path) else ""
+    lines = lines_of(span.path) if span.line else ()
+    return lines[span.line - 1] if 0 < span.line <= len(lines) else ""
 
 
 def lines_of(path: str) -> Sequence[str]:
     """Return the lines of a file without their ends; none if it cannot be read."""
-    if not _can_show(path):
+    if is_hidden(path):
         return ()
-    lines = [line.rstrip("\n") for line in linecache.getlines(path)]
-    return lines[:-1] if lines and not lines[-1] else lines
-
-
-def _can_show(path: str) -> bool:
-    """Whether lines of a file may be shown: it was read, or is readable and small."""
-    if path in linecache.cache or is_hidden(path):
-        return not is_hidden(path)
-    try:
-        check_walls(path)
-        # Opening a pipe would block, and a large file would be read whole.
-        return os.path.isfile(path) and os.path.getsize(path) <= _MOST_BYTES  # noqa: PTH113, PTH202
-    except (OSError, ValueError):
-        return False
+    if path not in _kept:
+        try:
+            check_walls(path)
+            # Opening a pipe would block, and a large file would be read whole.
+            if not os.path.isfile(path) or os.path.getsize(path) > _MOST_BYTES:  # noqa: PTH113, PTH202
+                return ()
+            remember(path, plain_lines(decoded(Path(path).read_bytes())))
+        except (OSError, ValueError):
+            return ()
+    return _kept[path]
 
 
 def shortened(line: str, column: int) -> str:

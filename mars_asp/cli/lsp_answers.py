@@ -5,7 +5,6 @@ It calls the functions of `check`, `explain` and `rules lint`, so it has the sam
 
 import argparse
 import gc
-import linecache
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
@@ -21,7 +20,7 @@ from mars_asp.cli.check import check
 from mars_asp.cli.extract import module_lines
 from mars_asp.cli.inputs import load, rulebook_for
 from mars_asp.cli.limits import memory_limit
-from mars_asp.cli.lines import line_at, remember
+from mars_asp.cli.lines import forget_all, line_at, remember
 from mars_asp.cli.lsp_files import EditorFiles
 from mars_asp.cli.lsp_rules import lint_answer
 from mars_asp.cli.results import Result
@@ -78,7 +77,7 @@ def answer(question: Question, options: argparse.Namespace) -> Any:
 
     `options` are those of the server: rules, sources and limits.
     """
-    linecache.clearcache()
+    forget_all()
     try:
         with overlay(question.texts):
             for path, text in question.texts.items():

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
+from mars_asp.asp.lint.catalogue import CODES, Page, page_text
 from mars_asp.asp.lint.found import fixed, titled
 from mars_asp.asp.rules.declarations import Declaration
 from mars_asp.asp.rules.metadata import file_name
@@ -189,6 +190,8 @@ def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
     if isinstance(found, InputCode):
         hint = "`--ignore` hides it." if found.can_be_ignored else "It cannot be ignored."
         return f"## {name}\n\n{found.meaning}\n\n{hint}"
+    if isinstance(found, Page):
+        return f"{page_text(found)}\n\n`%! allow: {name} REASON` above a rule hides it."
     if isinstance(found, Rule):
         example = rule_example(found, rulebook)
         text = rule_summary(found, "##", example)
@@ -215,7 +218,7 @@ def shown(rulebook: Rulebook, name: str, with_source: bool = False) -> str:
 def rule_or_kind_text(name: str, arguments: argparse.Namespace) -> str | None:
     """Return the output of `rules show` for a rule or kind, or None for another name."""
     rulebook = rulebook_for(arguments, STAGES)
-    known = (*rulebook.by_id, *kinds(rulebook), *input_codes())
+    known = (*rulebook.by_id, *kinds(rulebook), *input_codes(), *CODES)
     if name not in known:
         if "." in name or package_named(name) is not None:
             return None
@@ -237,6 +240,8 @@ def shown_json(rulebook: Rulebook, name: str) -> dict[str, object]:
     found = _find_named(rulebook, name)
     if isinstance(found, InputCode):
         return {"code": name, **asdict(found)}
+    if isinstance(found, Page):
+        return asdict(found)
     if isinstance(found, Rule):
         return rule_json(found)
     if isinstance(found, Kind):
@@ -280,8 +285,8 @@ def _misused(action: str, what: str | None, arguments: argparse.Namespace) -> st
 
 def _find_named(
     rulebook: Rulebook, name: str
-) -> Rule | Kind | InputCode | tuple[Declaration, ...] | str:
-    """Return the rule, kind, predicates, file path or code of the input that has a name.
+) -> Rule | Kind | InputCode | Page | tuple[Declaration, ...] | str:
+    """Return the rule, kind, predicates, file path, code of the input or lint that has a name.
 
     A file is named by its path or by the common start of the ids in it, predicates by their name,
     with or without the number of arguments.
@@ -304,11 +309,13 @@ def _find_named(
         return known[name]
     if name in input_codes():
         return input_codes()[name]
+    if name in CODES:
+        return CODES[name]
     # Predicates that packs may not read are internal, and as a suggestion would only mislead.
     opened = (
         each.signature.name for stage in PURPOSES for each in open_predicates(rulebook, stage)
     )
-    names = (*rulebook.by_id, *files, *opened, *known, *input_codes())
+    names = (*rulebook.by_id, *files, *opened, *known, *input_codes(), *CODES)
     # An id may be written without the stage, or be misspelt.
     ends = (each for each in names if each.endswith(f"/{name}"))
     near = next(ends, None) or nearest(name, names, _ALIKE)

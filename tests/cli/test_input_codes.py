@@ -1,10 +1,13 @@
 """Codes of messages on reading, rules as subjects, and answers without topics."""
 
+import ast
 import json
+import re
 from pathlib import Path
 
 import pytest
 
+from mars_asp.asp.lint.catalogue import CODES
 from mars_asp.cli import run_here
 from mars_asp.cli.input_codes import input_codes
 from mars_asp.reasoning.lint import LintResult
@@ -27,6 +30,58 @@ def test_each_code_has_a_meaning(capsys: Captured) -> None:
     assert "did you mean `catalogue`?" in capsys.readouterr().err
 
 
+def test_each_code_in_the_package_is_listed() -> None:
+    found = set[str]()
+    for path in (ROOT / "mars_asp").rglob("*.py"):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        constants = {
+            node.targets[0].id: node.value.value
+            for node in tree.body
+            if isinstance(node, ast.Assign)
+            and isinstance(node.targets[0], ast.Name)
+            and isinstance(node.value, ast.Constant)
+            and isinstance(node.value.value, str)
+        }
+        for node in ast.walk(tree):
+            match node:
+                case ast.Constant(str(text)) if re.fullmatch(r"MARS[0-9]{3}", text):
+                    found.add(text)
+                case ast.Call(ast.Name("Diagnostic" | "refusal"), [ast.Constant(str(text)), *_]):
+                    found.add(text)
+                case ast.Call(ast.Name("Diagnostic" | "refusal"), [ast.Name(name), *_]):
+                    found.update({constants[name]} if name in constants else ())
+    assert len(found) > 100
+    assert found <= input_codes().keys() | CODES.keys()
+    listed = {code for code in input_codes() if code.startswith("MARS")}
+    assert listed == {code for code in found if code.startswith("MARS")}
+
+
+def test_codes_are_as_serious_as_the_page_of_annotations_has_them() -> None:
+    page = (ROOT / "docs/reference/annotations.md").read_text(encoding="utf-8")
+    serious = dict[str, bool]()
+    for codes, remark in re.findall(
+        r"^- \*\*(MARS[^*]*)\*\*:( \((?:note|warning)s?\))?", page, re.M
+    ):
+        first, *_ = numbers = [int(number) for number in re.findall("[0-9]{3}", codes)]
+        if " to " in codes:
+            numbers += range(first, numbers[1])
+        serious.update({f"MARS{number}": not remark for number in numbers})
+    # It is as serious as the gravest mistake in the file.
+    assert serious.pop("MARS308")
+    found = {code: not each.can_be_ignored for code, each in input_codes().items()}
+    del found["MARS308"]
+    assert serious == {code: is_error for code, is_error in found.items() if "MARS" in code}
+
+
+def test_lints_are_explained(capsys: Captured) -> None:
+    assert run_here(["explain", "rule-singleton"]) == 0
+    output = capsys.readouterr().out
+    assert output.startswith("## rule-singleton\n\n**A variable that occurs once.**")
+    assert "`%! allow: rule-singleton REASON` above a rule hides it." in output
+    assert run_here(["rules", "show", "rule-singleton", "--format", "json"]) == 0
+    assert json.loads(capsys.readouterr().out)["code"] == "rule-singleton"
+
+
 def test_a_finding_is_explained_by_its_place(
     capsys: Captured, tmp_path: Path, monkeypatch: Patch
 ) -> None:
@@ -37,7 +92,7 @@ def test_a_finding_is_explained_by_its_place(
 
 
 def test_an_internal_predicate_is_not_suggested(capsys: Captured) -> None:
-    assert run_here(["rules", "show", "unbound"]) == 2
+    assert run_here(["rules", "show", "starts_elsewher"]) == 2
     assert "did you mean" not in capsys.readouterr().err
 
 

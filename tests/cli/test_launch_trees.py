@@ -1,13 +1,13 @@
 """Folders with several launch files: how they are chosen, listed, judged and explained."""
 
 import json
-import linecache
 import shutil
 from pathlib import Path
 
 import pytest
 
 from mars_asp.cli import run_here
+from mars_asp.cli.lines import forget_all
 from tests.support.documents import ROOT
 from tests.support.fixtures import Captured, Patch
 
@@ -54,7 +54,7 @@ def workspace(tmp_path: Path, monkeypatch: Patch) -> Path:
         path.write_text(text)
     monkeypatch.chdir(tmp_path)
     # Lines are kept by their paths, which are the same in each test.
-    linecache.clearcache()
+    forget_all()
     return Path("ws")
 
 

@@ -2,14 +2,15 @@
 
 import re
 import tomllib
+from dataclasses import dataclass
 from importlib import resources
-from typing import NamedTuple
 
 #: A place for a shared declaration in a file of the catalogue.
 _DECLARED = re.compile(r"@(\w+)\s")
 
 
-class Page(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Page:
     """The documentation of a lint; `bad` is reported, `good` is not. Both are whole files.
 
     `fixed` describes the text that `--fix` writes, if there is a safe fix.
@@ -35,5 +36,14 @@ def _pages() -> tuple[Page, ...]:
 
 
 PAGES = _pages()
-#: The codes of all lints.
-CODES = frozenset(page.code for page in PAGES)
+#: The documentation of each lint by its code.
+CODES = {page.code: page for page in PAGES}
+
+
+def page_text(page: Page) -> str:
+    """Return the documentation of a lint as Markdown."""
+    parts = [f"## {page.code}", f"**{page.title}.** {page.what}", f"Why: {page.why}"]
+    parts += [f"`--fix` writes {page.fixed}."] if page.fixed else []
+    parts += [f"Reported:\n\n```clingo\n{page.bad}```"]
+    parts += [f"Not reported:\n\n```clingo\n{page.good}```"]
+    return "\n\n".join(parts)

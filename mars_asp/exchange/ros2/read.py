@@ -802,7 +802,7 @@ class _WorkspaceRobot:
         self, started: Started, full: str, name: str, values: Mapping[str, GivenParameter]
     ) -> GraphNode:
         """Return the node `full` of a program whose source is unknown, without topics."""
-        sort = "topics of nodes with neither a source here nor an entry in the catalogue"
+        sort = "topics of nodes with neither a readable source here nor an entry in the catalogue"
         marker = self.workspace.marker_of(f"$(find-pkg-share {started.package})")
         if marker is not None:
             sort = f"nodes of packages in a folder that `{self.workspace.shown(marker)}` excludes"

@@ -28,6 +28,7 @@ from mars_asp.exchange.ros2.cmake import (
 from mars_asp.exchange.ros2.setup_files import files_of_setup, has_unknown_scripts, lists_all_files
 from mars_asp.exchange.unread import MANIFESTS, Unread
 from mars_asp.language.parse import decode, plain_lines, read_bytes
+from mars_asp.reading import decoded
 
 #: What a launch file or a source may hold, and how many files a workspace.
 MOST_BYTES = 1024 * 1024
@@ -75,6 +76,13 @@ _NO_PROGRAMS = frozenset(
 )
 #: A copy that an editor or a program that synchronises folders has made.
 _COPY = re.compile(r"(?i)copy|conflict|backup")
+#: Endings of files whose encoding neither compilers nor CMake ask for.
+_OF_BYTES = frozenset({*_SOURCES, ".cmake", ".txt"}) - {".py"}
+#: The encoding that a file in Python (PEP 263) or XML declares, if it is a usual one.
+_DECLARED = re.compile(
+    rb"(?:[^\n]*\n)?[ \t\f]*(?:#[^\n]*?coding[:=]\s*|<\?xml[^>]*?\sencoding\s*=\s*[\"'])"
+    rb"((?i:latin|iso|cp|windows|gb|big5|euc|shift|koi8)[\w.-]*)"
+)
 _BUILD_FILES = frozenset({"CMakeLists.txt", "setup.py", "setup.cfg", "pyproject.toml"})
 #: Programs whose names a build file computes.
 _COMPOSED = re.compile(
@@ -697,18 +705,31 @@ class Workspace:
         r"""Return the text of a file, with `\n` for every line end.
 
         Raises:
-            MarsError: the file is too large, cannot be read, or is not a text.
+            MarsError: the file is too large, cannot be read, or is not a text in an encoding that
+                what builds or runs it reads.
         """
         if file not in self._texts:
             shown = self.shown(file)
             raw = read_bytes(file, MOST_BYTES)
-            text = plain_lines(decode(raw, shown, MOST_BYTES))
+            text = plain_lines(decode(_in_utf8(raw, file.suffix), shown, MOST_BYTES))
             if "\0" in text:
                 message, help_text = "the file is not a text", "name a launch file or a folder"
                 place = whole_file(shown)
                 raise MarsError((Diagnostic("encoding", "error", message, place, help=help_text),))
             self._texts[file] = text
         return self._texts[file]
+
+
+def _in_utf8(raw: bytes, suffix: str) -> bytes:
+    """Return the content of a file in UTF-8 if what builds or runs the file reads its encoding."""
+    declared = _DECLARED.match(raw)
+    if raw.isascii() or not (declared or suffix in _OF_BYTES):
+        return raw
+    try:
+        text = raw.decode(declared[1].decode()) if declared else decoded(raw)
+    except (LookupError, UnicodeDecodeError):
+        return raw
+    return text.encode()
 
 
 def _pattern_of(line: str) -> re.Pattern[str]:
