@@ -147,7 +147,7 @@ def read_project(
         path = shown_input(arguments)
         text = read_input(path)
     if not os.path.isdir(path):  # noqa: PTH112 -- never raises
-        _print_settings(arguments, Path(path).parent)
+        print_settings(arguments, Path(path).parent)
     path, *further = (only_robot(arguments, each) for each in (path, *further))
     project = load(arguments, path, text, further)
     if not quietly:
@@ -390,7 +390,7 @@ def robots_in_folder(arguments: argparse.Namespace, path: str) -> "FolderRobots"
         return hit
 
     found = robots_in(Path(path), is_excluded)
-    _print_settings(arguments, Path(path))
+    print_settings(arguments, Path(path))
     for each in found.paths:
         detail(arguments, f"robot {each}")
     for each in passed_over[:_MOST_NAMED]:
@@ -407,11 +407,11 @@ def robots_in_folder(arguments: argparse.Namespace, path: str) -> "FolderRobots"
     return found
 
 
-def _print_settings(arguments: argparse.Namespace, folder: Path) -> None:
-    """Print with `--verbose` the path of the settings that apply to a folder."""
+def print_settings(arguments: argparse.Namespace, *folders: Path) -> None:
+    """Print with `--verbose` the paths of the settings that apply to folders, each once."""
     if arguments.verbose:
-        path = settings_of(arguments, folder).path
-        detail(arguments, f"settings {path}" if path else "no settings")
+        for path in dict.fromkeys(settings_of(arguments, each).path for each in folders):
+            detail(arguments, f"settings {path}" if path else "no settings")
 
 
 def _nothing_in(path: str, notes: Iterable[Diagnostic]) -> Diagnostic:
@@ -470,7 +470,7 @@ def robots(arguments: argparse.Namespace, paths: Sequence[str]) -> list[RobotFil
         # Those in folders are listed with their folder.
         if path in paths and not os.path.isdir(path):  # noqa: PTH112 -- never raises
             shown = shown_input(arguments) if path == STANDARD_INPUT else path
-            _print_settings(arguments, Path(shown).parent)
+            print_settings(arguments, Path(shown).parent)
             detail(arguments, f"robot {', '.join(robot.paths)}")
     return list(first.values())
 

@@ -13,7 +13,7 @@ from mars_asp.cli.arguments import add_flags
 from mars_asp.cli.cases_report import CaseFileResult, junit, print_outcomes
 from mars_asp.cli.deliver import replace_files, write_file
 from mars_asp.cli.diagnostic_text import report
-from mars_asp.cli.inputs import STANDARD_INPUT
+from mars_asp.cli.inputs import STANDARD_INPUT, print_settings
 from mars_asp.cli.progress import detail
 from mars_asp.cli.settings import check_settings, packs_for
 from mars_asp.cli.worker import read_standard_input
@@ -121,6 +121,7 @@ def run_once(arguments: argparse.Namespace) -> int:
         raise MarsError(dict.fromkeys(problems))
     # The other cases are run even if one has errors.
     report(dict.fromkeys(problems), arguments)
+    print_settings(arguments, *(each.path.parent for each in ran))
     for each in ran:
         detail(arguments, f"{each.path}: {each.seconds:.2f} s")
     outcomes = [each.outcome for each in ran if each.outcome is not None]

@@ -318,10 +318,12 @@ def test_a_missing_case_hides_no_other(
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a.lp").write_text('%= module("A")\nmodule("A").\n#show module/1.\n')
     (tmp_path / "b.lp").write_text("%has: p(\n")
+    (tmp_path / "mars.toml").touch()
     assert run_here(["test", "nope.lp", "a.lp", "b.lp", "-v", "--junit", "out.xml"]) == 2
     output = capsys.readouterr()
     assert "1 passed" in output.out
     assert "nope.lp: no such file" in output.err and "b.lp:1" in output.err
+    assert "mars-asp: settings mars.toml\nmars-asp: nope.lp: 0." in output.err
     assert "mars-asp: a.lp: 0." in output.err
     (suite,) = ElementTree.parse("out.xml").getroot()
     assert [case.get("name") for case in suite] == ["nope.lp", "a.lp", "b.lp"]
