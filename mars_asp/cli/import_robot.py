@@ -3,7 +3,7 @@
 import argparse
 import os.path
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from mars_asp.cli.arguments import add_flags, add_output, misuse
@@ -11,8 +11,9 @@ from mars_asp.cli.deliver import write_result
 from mars_asp.cli.diagnostic_text import report
 from mars_asp.cli.inputs import STANDARD_INPUT, add_launch, check_inputs
 from mars_asp.cli.lines import remember
+from mars_asp.cli.suggested_commands import command
 from mars_asp.cli.worker import read_standard_input
-from mars_asp.diagnostic import Diagnostic, MarsError, refusal
+from mars_asp.diagnostic import NOT_EXPORTED, Diagnostic, MarsError, refusal, whole_file
 from mars_asp.exchange.foreign import READERS, ForeignFile, read_foreign
 from mars_asp.exchange.recognise import recognised
 from mars_asp.language import Parsed, print_configuration
@@ -72,9 +73,18 @@ def run(arguments: argparse.Namespace) -> int:
     check_inputs(*arguments.files)
     found, printed = (_urdf if arguments.origin == "urdf" else _foreign)(arguments)
     check_one_tree(found.trees, found.configuration)
-    report(found.warnings, arguments)
+    report((*found.warnings, *_left_out(found.trees, arguments)), arguments)
     write_result(arguments.output, printed)
     return 0
+
+
+def _left_out(trees: Sequence[LaunchTree], arguments: argparse.Namespace) -> Iterator[Diagnostic]:
+    """Yield the note that a configuration lacks what findings in launch files need."""
+    if trees:
+        message = "launch files have no place in a configuration"
+        help_text = f"`{command('check', arguments)}` shows what is found in them"
+        place = whole_file(arguments.files[0])
+        yield Diagnostic(NOT_EXPORTED, "note", message, place, help=help_text, kind="not_exported")
 
 
 def _urdf(arguments: argparse.Namespace) -> tuple[Parsed, str]:
