@@ -616,7 +616,7 @@ class Robot:
         )
 
     def why_not(self, atom: str) -> "WhyNotResult":
-        """Return why there is no atom, such as `ArbitrationNode(Turn)`, and a way to get one.
+        """Return why an atom or a finding, such as `ArbitrationNode(Turn)`, is absent; a way to it.
 
         Raises:
             MarsError: the atom names nothing that there can be.
@@ -627,7 +627,7 @@ class Robot:
         _check_types(atom=(atom, str))
         arguments = self._arguments("explain", why_not=atom)
         reasoner = Reasoner(self.project, rulebook_for(arguments), self.options.budget)
-        found = why_not_answer(reasoner, atom)
+        found = why_not_answer(reasoner, arguments)
         parts = why_not_paragraphs(found, arguments, self.project.format)
         return WhyNotResult(
             found,

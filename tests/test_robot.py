@@ -79,6 +79,22 @@ def test_answers_are_those_of_the_command(name: str, capsys: Captured) -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("ask", "words"),
+    [
+        (lambda robot: robot.why_not("unmanaged_node"), "explain FILE --why-not unmanaged_node"),
+        (lambda robot: robot.why_not("guard_bypass"), "explain FILE --why-not guard_bypass"),
+        (lambda robot: robot.explain("guard_bypass"), "explain FILE guard_bypass"),
+        (lambda robot: robot.analyse(), "analyse FILE"),
+    ],
+    ids=("absent", "present", "explained", "analysed"),
+)
+def test_answers_about_a_workspace_are_those_of_the_command(
+    ask: Callable[[Robot], Any], words: str, capsys: Captured
+) -> None:
+    assert str(ask(load(WORKSPACE))) == printed(words.replace("FILE", WORKSPACE), capsys)
+
+
 def test_findings_are_those_of_check(capsys: Captured) -> None:
     found = load(WORKSPACE).check()
     document = json.loads(printed(f"check {WORKSPACE} --format json", capsys))

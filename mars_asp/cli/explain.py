@@ -485,17 +485,25 @@ def _contradiction(arguments: argparse.Namespace) -> str | None:
     return None
 
 
-def why_not_answer(reasoner: Reasoner, atom: str, depth: int | None = ABSENCE_DEPTH) -> "WhyNot":
-    """Return why an atom is absent; `atom` may be a relationship as a configuration states it.
+def why_not_answer(reasoner: Reasoner, arguments: argparse.Namespace) -> "WhyNot":
+    """Return why an atom, a relationship as a configuration states it, or a finding is absent.
 
     Raises:
-        MarsError: clingo refuses rules, or the atom names neither a module nor a kind.
+        MarsError: clingo refuses rules, or `why_not` names neither a module nor a kind.
     """
     from mars_asp.reasoning.questions.why_not import why_not
 
-    line = read_relationship(atom, reasoner.project)
-    answer = why_not(reasoner, atom if line is None else line.atom, _levels(depth))
-    if line is None or line.atom == atom:
+    project, asked = reasoner.project, arguments.why_not
+    kind = asked.partition("(")[0].strip()
+    if project.trees or kind not in consequence_kinds(rulebook_for(arguments)):
+        judging = rulebook_for(arguments, JUDGING)
+        found, rules = analyse_trees(project, judging), launch_rules(judging)
+        answer = _why_no_finding(project, found, rules, asked, arguments)
+        if answer is not None:
+            return answer
+    line = read_relationship(asked, project)
+    answer = why_not(reasoner, asked if line is None else line.atom, _levels(arguments))
+    if line is None or line.atom == asked:
         return answer
     return replace(answer, subject=line.line, answer=_of_line(answer.answer, line))
 
@@ -518,37 +526,6 @@ def _misplaced_words(arguments: argparse.Namespace) -> str | None:
     return f"`{first}` is not a file, and words about it come after the files: {swapped}"
 
 
-def _levels(depth: int | None) -> int:
-    """Return the number of levels of rules to search for a `--depth`."""
-    return _MOST_LEVELS if depth is None else 2 * depth
-
-
-def _why_not(project: Project, arguments: argparse.Namespace) -> int:
-    rulebook = rulebook_for(arguments)
-    selection = Selection(arguments, rulebook)
-    report((*selection.messages(project)[0], *one_of_several(project, arguments)), arguments)
-    depth = getattr(arguments, "depth", ABSENCE_DEPTH)
-    reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
-    answer = None
-    kind = arguments.why_not.partition("(")[0].strip()
-    if project.trees or kind not in consequence_kinds(rulebook):
-        judging = rulebook_for(arguments, JUDGING)
-        found, rules = analyse_trees(project, judging), launch_rules(judging)
-        answer = _why_no_finding(project, found, rules, arguments.why_not, arguments)
-    if answer is None:
-        answer = why_not_answer(reasoner, arguments.why_not, depth)
-    if arguments.format == "json":
-        from mars_asp.cli.trace_document import why_not_document
-
-        print(encoded(why_not_document(answer)))
-    else:
-        first, *others = why_not_paragraphs(answer, arguments, project.format)
-        coloured = colours(arguments, sys.stdout)
-        sys.stdout.writelines(f"{paint(line, 'strong', coloured)}\n" for line in first)
-        sys.stdout.writelines(f"{line}\n" for lines in others for line in lines)
-    return int(selection.has_errors(project, answer.analysis))
-
-
 def _why_no_finding(
     project: Project,
     analysis: Analysis,
@@ -559,8 +536,31 @@ def _why_no_finding(
     """Return why the launch files lack such a finding, None if `subject` is not a finding."""
     from mars_asp.reasoning.questions.why_no_finding import why_no_finding
 
-    levels = _levels(getattr(arguments, "depth", ABSENCE_DEPTH))
-    return why_no_finding(project, analysis, rules, subject, levels)
+    return why_no_finding(project, analysis, rules, subject, _levels(arguments))
+
+
+def _levels(arguments: argparse.Namespace) -> int:
+    """Return the number of levels of rules to search for a `--depth`."""
+    depth: int | None = getattr(arguments, "depth", ABSENCE_DEPTH)
+    return _MOST_LEVELS if depth is None else 2 * depth
+
+
+def _why_not(project: Project, arguments: argparse.Namespace) -> int:
+    rulebook = rulebook_for(arguments)
+    selection = Selection(arguments, rulebook)
+    report((*selection.messages(project)[0], *one_of_several(project, arguments)), arguments)
+    reasoner = Reasoner(project, rulebook, Budget(arguments.time_limit))
+    answer = why_not_answer(reasoner, arguments)
+    if arguments.format == "json":
+        from mars_asp.cli.trace_document import why_not_document
+
+        print(encoded(why_not_document(answer)))
+    else:
+        first, *others = why_not_paragraphs(answer, arguments, project.format)
+        coloured = colours(arguments, sys.stdout)
+        sys.stdout.writelines(f"{paint(line, 'strong', coloured)}\n" for line in first)
+        sys.stdout.writelines(f"{line}\n" for lines in others for line in lines)
+    return int(selection.has_errors(project, answer.analysis))
 
 
 def _of_line(answer: str, relationship: RelationshipQuery) -> str:

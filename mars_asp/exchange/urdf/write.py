@@ -91,9 +91,9 @@ def _left_out(configuration: Configuration, modules: Mapping[str, Module]) -> It
                 links |= {mounting, mounted}
                 ends = (mounting, line.mounting_vertex), (mounted, line.mounted_vertex)
                 vertices |= {*ends}
-                for name, number in ends:
+                for called, number in ends:
                     if number is not None:
-                        yield Unread("numbers of vertices", f"{name} {number}", line.span)
+                        yield Unread("numbers of vertices", f"{called} {number}", line.span)
             case _:
                 yield Unread(f"lines with `{verb_of(line)}`", ends_of(line)[0], line.span)
     for name in configuration.modules:
