@@ -23,9 +23,21 @@ BROKEN = frozenset(
 )
 #: Files that are findings of launch trees as well.
 ABSENT = "files that their packages lack"
+ABSENT_PARAMETERS = "parameter files that their packages lack"
+#: Sorts of files without which nodes lack parameters, and none lacks a node.
+OF_PARAMETERS = frozenset(
+    {
+        ABSENT_PARAMETERS,
+        "parameter files that are not in the workspace",
+        "parameter files with errors",
+    }
+)
 #: Actions of launch files that functions or classes of other files make.
 IMPORTED = "actions made by imported functions"
-_KINDS = {**dict.fromkeys(BROKEN, "broken_file"), ABSENT: "missing_file"}
+_KINDS = {
+    **dict.fromkeys(BROKEN, "broken_file"),
+    **dict.fromkeys((ABSENT, ABSENT_PARAMETERS), "missing_file"),
+}
 _MOST_NAMED = 5
 _MOST_PLACES = 100
 

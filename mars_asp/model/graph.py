@@ -204,13 +204,14 @@ class RepeatedKey:
 class LaunchTree:
     """The nodes of a launch file with all that it includes, or of several files together.
 
-    Nodes of one name are kept apart. `unread` are places that may start or name more, `broken`
-    those of files that cannot be parsed, with the error, `repeated` the keys that its parameter
-    files have twice, and `rewritten` those of the files that launch files read as YAML. `defaults`
-    are the values of the launch arguments that users may set. `by_hand` are nodes of programs that
-    no launch file of the folder starts, which are with its first tree; `shared` are the parameter
-    files that may be for nodes whose names are not known. `is_of_programs` is whether it
-    has all programs of a folder, in place of a launch file.
+    Nodes of one name are kept apart. `unread` are places that may start or name more, `unstarted`
+    those of them that may start nodes, `broken` those of files that cannot be parsed, with the
+    error, `repeated` the keys that its parameter files have twice, and `rewritten` those of the
+    files that launch files read as YAML. `defaults` are the values of the launch arguments that
+    users may set. `by_hand` are nodes of programs that no launch file of the folder starts, which
+    are with its first tree; `shared` are the parameter files that may be for nodes whose names are
+    not known. `is_of_programs` is whether it has all programs of a folder, in place of a launch
+    file.
     """
 
     path: str
@@ -218,6 +219,7 @@ class LaunchTree:
     muxes: tuple[Mux, ...] = ()
     relays: tuple[Relay, ...] = ()
     unread: tuple[Span, ...] = ()
+    unstarted: tuple[Span, ...] = ()
     broken: tuple[tuple[str, Span], ...] = ()
     missing: tuple[AbsentFile, ...] = ()
     defaults: tuple[tuple[str, str], ...] = ()

@@ -324,6 +324,61 @@ def test_a_difference_of_workspaces_has_the_findings_of_check(
         assert f"{how} missing_file: the package `drive` has no" in capsys.readouterr().out
 
 
+MUX = """\
+<launch>
+  <node pkg="twist_mux" exec="twist_mux">
+    <param from="$(find-pkg-share drive)/config/mux.yaml"/>
+  </node>
+  <node pkg="joy" exec="joy_node">
+    <param from="$(find-pkg-share drive)/config/joy.yaml"/>
+  </node>
+</launch>
+"""
+INPUTS = """\
+twist_mux:
+  ros__parameters:
+    topics:
+      joystick: {topic: joy_vel, timeout: 0.5, priority: 100}
+      tablet: {topic: tab_vel, timeout: 0.5, priority: 50}
+"""
+
+
+def test_a_difference_has_no_line_that_caused_another_one(
+    workspace: Path, capsys: Captured
+) -> None:
+    package = workspace / "src" / "drive"
+    (package / "launch" / "one.launch.xml").unlink()
+    (package / "launch" / "both.launch.xml").write_text(MUX)
+    (package / "config").mkdir()
+    (package / "config" / "mux.yaml").write_text(INPUTS)
+    (package / "setup.py").write_text(
+        "setup(entry_points={'console_scripts': [\n    'sender = drive.sender:run',\n"
+        "    'other = drive.sender:main',\n]})\n"
+    )
+    shutil.copytree(workspace, "two")
+    new = Path("two/src/drive")
+    (new / "config" / "joy.yaml").write_text("joy_node:\n  ros__parameters:\n    rate: 1\n")
+    (new / "config" / "mux.yaml").write_text(INPUTS.replace(": 50", ": 40"))
+    (new / "setup.py").write_text((new / "setup.py").read_text().replace(":run", ":main"))
+    run_here(["diff", "ws", "two", "--format", "json"])
+    found = {
+        (each["change"], each["message"].split("`")[1 if "publishes" in each["message"] else 3]): [
+            f"{sign} {Path(line['path']).name}:{line['line']}"
+            for sign, key in (("-", "removed"), ("+", "added"), ("=", "unchanged"))
+            for line in each[key]
+        ]
+        for each in json.loads(capsys.readouterr().out)["consequences"]
+    }
+    assert found == {
+        ("vanished", "drive.sender:run"): ["- setup.py:2", "+ setup.py:2"],
+        ("vanished", "config/joy.yaml"): ["= both.launch.xml:5"],
+        ("appeared", "/joy_vel"): ["= both.launch.xml:5"],
+        ("appeared", "/tab_vel"): [
+            *("- mux.yaml:5", "+ mux.yaml:5", "= both.launch.xml:5"),
+        ],
+    }
+
+
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
@@ -332,6 +387,7 @@ def test_a_difference_of_workspaces_has_the_findings_of_check(
             'name="two"\n   args="--ros-args -r cmd_vel:=other" ',
             [
                 "vanished",
+                '- 4: <node pkg="drive" exec="sender" name="two" if="$(var second)"/>',
                 '+ 4: <node pkg="drive" exec="sender" name="two"',
                 '+ 5: args="--ros-args -r cmd_vel:=other" if="$(var second)"/>',
             ],

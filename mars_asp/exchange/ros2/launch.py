@@ -36,7 +36,7 @@ from mars_asp.exchange.ros2.launch_python import NEWER, read_python
 from mars_asp.exchange.ros2.names import Renaming, joined
 from mars_asp.exchange.ros2.parameters import GivenParameter
 from mars_asp.exchange.ros2.workspace import Workspace
-from mars_asp.exchange.unread import ABSENT, CIRCLES, IMPORTED, Unread
+from mars_asp.exchange.unread import ABSENT, ABSENT_PARAMETERS, CIRCLES, IMPORTED, Unread
 from mars_asp.exchange.yaml_document import Items, Scalar
 from mars_asp.model.graph import OPEN_CONDITION, AbsentFile, StartCondition
 
@@ -726,7 +726,8 @@ class Launch:
             elif span is not None:
                 called = self._partial_text(each, scope)
                 is_missing = self._note_missing(path, span, scope)
-                self.unread.append(Unread(ABSENT if is_missing else _NO_PARAMETERS, called, span))
+                sort = ABSENT_PARAMETERS if is_missing else _NO_PARAMETERS
+                self.unread.append(Unread(sort, called, span))
 
     def _is_unknown(self, path: Text, scope: _Scope) -> bool:
         """Whether a parameter file is unknown, or is missing in a package here.

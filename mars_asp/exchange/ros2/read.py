@@ -54,7 +54,7 @@ from mars_asp.exchange.twist_mux.document import (
     read_parameters,
     read_parts,
 )
-from mars_asp.exchange.unread import BROKEN, MANIFESTS, Unread, notes
+from mars_asp.exchange.unread import BROKEN, MANIFESTS, OF_PARAMETERS, Unread, notes
 from mars_asp.exchange.yaml_document import Items, Repeat, Scalar, read_yaml
 from mars_asp.exchange.yaml_document import Node as YamlNode
 from mars_asp.language import Parsed
@@ -344,23 +344,23 @@ class _WorkspaceRobot:
     ) -> LaunchTree:
         """Return the first launch tree with the faults of no launch file.
 
-        These are manifests with errors; of a folder whose launch files start something, all other
-        faults of packages; of a launch file those of its programs and their packages.
+        These are manifests with errors; of a folder all other faults of packages; of a launch file
+        those of its programs and their packages.
         """
         first = self.trees[0]
         unread = self._of_packages(launches, paths)
         manifests = (each for each in unread if each.sort == MANIFESTS)
         broken = [*first.broken, *((each.name, each.span) for each in manifests)]
         missing = list(first.missing)
-        if are_launched:
-            broken += self.programs.unreadable_modules()
-        if are_launched and not self.chosen:
+        broken += self.programs.unreadable_modules()
+        if not self.chosen:
             is_whole = self.workspace.root in paths
             entries = self.programs.absent_entries()
             missing += (each for each in entries if is_whole or each.package in self.packages)
             if is_whole:
                 # The console scripts have been read as well now.
                 broken += self.programs.unreadable_modules()
+            if is_whole and are_launched:
                 first = replace(first, by_hand=tuple(self._by_hand(launches, paths)))
         return replace(first, missing=tuple(missing), broken=tuple(dict.fromkeys(broken)))
 
@@ -445,6 +445,7 @@ class _WorkspaceRobot:
             tuple(muxes),
             tuple(relays),
             tuple(each.span for each in unread if each.sort not in _HARMLESS),
+            tuple(each.span for each in unread if each.sort not in _HARMLESS | OF_PARAMETERS),
             tuple(
                 (each.name, each.span)
                 for each in unread
@@ -521,7 +522,7 @@ class _WorkspaceRobot:
             path = self.workspace.shown(file)
             if file not in included and wrong.code == NEWER:
                 self.unread.append(Unread(IN_NEWER, path, wrong.span))
-                self.trees.append(LaunchTree(path, unread=(wrong.span,)))
+                self.trees.append(LaunchTree(path, unread=(wrong.span,), unstarted=(wrong.span,)))
             elif file not in included:
                 name = f"{path}: {wrong.message}"
                 self.unread.append(Unread("launch files with errors", name, wrong.span))

@@ -133,6 +133,8 @@ class _TreeFacts:
             yield _fact_at(point(path, 1, 1), "is_of_programs", path)
         for span in self.tree.unread:
             yield _fact_at(span, "open_tree", path)
+        for span in self.tree.unstarted:
+            yield _fact_at(span, "starts_unread", path)
         for text, span in self.tree.broken:
             # The place has the path already.
             message = text.removeprefix(f"{span.path}: ")

@@ -6,7 +6,6 @@ such as bounds, count as well. The line is added or removed if its text, or that
 after it, differs as well; otherwise the same text has another effect in each configuration.
 """
 
-import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass, replace
@@ -29,13 +28,13 @@ from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.facts.compile import FRAMES, NOWHERE
 from mars_asp.reasoning.facts.rates import Rates
 from mars_asp.reasoning.findings import MEANINGS
-from mars_asp.reasoning.launch_trees import STAGE, analyse_trees
+from mars_asp.reasoning.launch_trees import STAGE, analyse_trees, launch_rules
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.blame import reasons
-from mars_asp.reasoning.questions.diff_trees import TreeLines
+from mars_asp.reasoning.questions.diff_trees import TreeLines, matching
 from mars_asp.reasoning.questions.unrealised import unrealised
 from mars_asp.reasoning.rules import load_rulebook
-from mars_asp.reasoning.session import Reasoner
+from mars_asp.reasoning.session import Evidence, Reasoner
 from mars_asp.reasoning.synthesis import IntroducedNode
 from mars_asp.reasoning.synthesis.synthesise import Synthesis
 from mars_asp.reasoning.verification import mount_tuples
@@ -46,7 +45,6 @@ _LineFacts: TypeAlias = tuple[str, ...]
 #: Returns the lines of a file by its path, or none if they are not known.
 LinesOf: TypeAlias = Callable[[str], Sequence[str]]
 Item = TypeVar("Item")
-_ANYTHING = re.compile(r"(?<=[(,])_(?=[,)])")
 #: Predicates whose last argument is a rate, as a number that depends on the other rates of a file.
 _RATES = frozenset({"required_rate", "offered_rate"})
 #: Consequences whose side lines, with their times and priorities, the message leaves out.
@@ -171,10 +169,12 @@ class _Side:
     def __init__(self, reasoner: Reasoner, lines_of: LinesOf, is_launched: bool) -> None:
         self.findings: Sequence[Consequence] = ()
         self.is_launched = is_launched
-        launched: Sequence[Fact] = ()
+        launched: Evidence | None = None
         if is_launched:
-            judged = analyse_trees(reasoner.project, load_rulebook(stages=(STAGE,)))
-            self.findings, launched = judged.consequences, judged.facts
+            rules = load_rulebook(stages=(STAGE,))
+            judged = analyse_trees(reasoner.project, rules)
+            self.findings = judged.consequences
+            launched = Evidence(launch_rules(rules), judged.facts, judged)
         self.tree_lines = TreeLines(launched, reasoner.project.configuration.path, lines_of)
         evidence = reasoner.evidence(resolved=True)
         self.project, self.rulebook = reasoner.project, reasoner.rulebook
@@ -289,21 +289,8 @@ class _Side:
         return atom is not None and (atom.is_fact or as_term(symbol) in taken)
 
     def matching(self, pattern: str) -> Iterator[clingo.Symbol]:
-        """Yield the true atoms that match an atom as text, in which `_` is any argument.
-
-        An atom with a number is skipped, as identifiers belong to one file only.
-        """
-        try:
-            wanted = clingo.parse_term(_ANYTHING.sub("_any", pattern))
-        except RuntimeError:
-            return
-        if any(argument.type == clingo.SymbolType.Number for argument in wanted.arguments):
-            return
-        anything = clingo.Function("_any")
-        for symbol in self.analysis.grounding.symbols(wanted.name, len(wanted.arguments)):
-            pairs = zip(wanted.arguments, symbol.arguments, strict=True)
-            if all(w in (anything, found) for w, found in pairs) and self.holds(symbol):
-                yield symbol
+        """Yield the true atoms that match an atom as text, in which `_` is any argument."""
+        yield from filter(self.holds, matching(pattern, self.analysis.grounding.symbols))
 
 
 class _Texts:
@@ -418,20 +405,31 @@ def _changes(
 
 
 def _changed_findings(before: _Side, after: _Side) -> Iterator[Change[Consequence]]:
-    """Yield the differing findings in launch trees, with the lines of their nodes that differ."""
+    """Yield the differing findings in launch trees, with the differing lines that caused them."""
     old, new = before.tree_lines, after.tree_lines
-    for how, gone, come in _pairs(before.launch_findings(), after.launch_findings()):
+    pairs = tuple(_pairs(before.launch_findings(), after.launch_findings()))
+    old_traces = old.why([gone.atom for _, gone, _ in pairs if gone is not None])
+    new_traces = new.why([come.atom for _, _, come in pairs if come is not None])
+    for how, gone, come in pairs:
         was, now = (None if each is None else each.item for each in (gone, come))
         found = [each for each in (was, now) if each is not None]
-        names = {name for each in found for name in (each.subject, *each.participants)}
+        old_trace = None if gone is None else old_traces[gone.atom]
+        new_trace = None if come is None else new_traces[come.atom]
         old_spans, new_spans = ({*(each.spans if each else ())} for each in (was, now))
-        removed, left = old.split(old_spans | old.of_nodes(names, new), before.differing)
-        added, stay = new.split(new_spans | new.of_nodes(names, old), after.differing)
+        old_facts = old.causes(old_trace, new_trace, new)
+        new_facts = new.causes(new_trace, old_trace, old)
+        old_causes = {each.span for each in old_facts} | old.like(old_facts | new_facts, new)
+        new_causes = {each.span for each in new_facts} | new.like(old_facts | new_facts, old)
+        removed, left = old.split(old_spans | old_causes, before.differing)
+        added, stay = new.split(new_spans | new_causes, after.differing)
+        unchanged = stay & new_causes or left & old_causes or stay or left
+        added |= new.counterparts(removed, old, after.differing)
+        removed |= old.counterparts(added, new, before.differing)
         if not removed and not added:
             variables = {test.variable for each in found for test in each.conditions}
             removed = old.naming(variables, before.differing)
             added = new.naming(variables, after.differing)
-        yield Change(how, was, now, *map(_in_order, (added, removed, stay or left)))
+        yield Change(how, was, now, *map(_in_order, (added, removed, unchanged)))
 
 
 def _in_order(spans: Iterable[Span]) -> tuple[Span, ...]:

@@ -1,67 +1,176 @@
-"""Lines of launch trees that differ between two robots: those of nodes, and those of all files."""
+"""Lines of launch trees that differ between two robots, and those that caused a finding."""
 
+import re
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from difflib import SequenceMatcher
 from sys import maxsize
+from typing import NamedTuple
+
+import clingo
 
 from mars_asp.asp.solve.atoms import Fact
+from mars_asp.asp.trace import Trace
+from mars_asp.asp.trace.text import steps_of
+from mars_asp.asp.trace.tree import Absent, Given
 from mars_asp.diagnostic import Span, point
+from mars_asp.reasoning.findings import MEANINGS
+from mars_asp.reasoning.session import Evidence
 
 #: Facts that compare nodes, or locate them.
 _OBSERVED = frozenset({"place", "starts_like"})
+_ANYTHING = re.compile(r"(?<=[(,])_(?=[,)])")
 #: The path of a file, relative to the folder of the robot, and the text of a line.
 _Line = tuple[str, str]
+
+
+class _Stated(NamedTuple):
+    """A fact with its node, "" if it has none, and its text without numbers and folder."""
+
+    owner: str
+    text: str
+    words: frozenset[str]
+    span: Span
+
+
+def matching(
+    pattern: str,
+    symbols: Callable[[str, int], Iterable[clingo.Symbol]],
+    wanted_text: Callable[[str], str] = str,
+    found_text: Callable[[str], str] = str,
+) -> Iterator[clingo.Symbol]:
+    """Yield the symbols that match an atom as text, in which `_` is any argument.
+
+    An atom with a number is skipped, as identifiers belong to one robot only. `wanted_text` and
+    `found_text` make the texts of arguments comparable.
+    """
+    try:
+        wanted = clingo.parse_term(_ANYTHING.sub("_any", pattern))
+    except RuntimeError:
+        return
+    if any(argument.type == clingo.SymbolType.Number for argument in wanted.arguments):
+        return
+    texts = [wanted_text(str(argument)) for argument in wanted.arguments]
+    for symbol in symbols(wanted.name, len(wanted.arguments)):
+        pairs = zip(texts, symbol.arguments, strict=True)
+        if all(text in ("_any", found_text(str(found))) for text, found in pairs):
+            yield symbol
 
 
 class TreeLines:
     """The lines from which the launch trees of a robot were read, and the facts of each node."""
 
     def __init__(
-        self, facts: Sequence[Fact], folder: str, lines_of: Callable[[str], Sequence[str]]
+        self, evidence: Evidence | None, folder: str, lines_of: Callable[[str], Sequence[str]]
     ) -> None:
-        """Take the facts of launch trees; paths are compared relative to the robot's folder."""
+        """Take facts and findings of launch trees; paths are compared relative to the folder."""
         folder = folder.rstrip("/")
         self._prefix = "" if folder == "." else f"{folder}/"
-        self._facts: dict[str, dict[str, set[Span]]] = {}
-        for owner, text, span in _of_nodes(facts):
-            spans = self._facts.setdefault(owner, {})
-            spans.setdefault(self._relative(text), set()).add(span)
+        self._evidence, self._lines_of = evidence, lines_of
+        facts = () if evidence is None else evidence.facts
+        self._stated = {
+            str(fact.atom): _Stated(owner, self._relative(text), words, fact.span)
+            for fact, owner, text, words in _without_numbers(facts)
+        }
+        self._count = Counter(each[:2] for each in self._stated.values())
         #: The lines of each file that are locations of facts, sorted.
         self._starts: dict[str, list[int]] = {}
         for path, line in sorted({(fact.span.path, fact.span.line) for fact in facts}):
             self._starts.setdefault(path, []).append(line)
-        self._lines = {path: [line.strip() for line in lines_of(path)] for path in self._starts}
-        self._count = Counter(line for _, line in self._located())
+        self._lines: dict[str, Sequence[str]] = {}
 
     def _relative(self, text: str) -> str:
         return text.replace(self._prefix, "") if self._prefix else text
 
-    def _located(self) -> Iterator[tuple[Span, _Line]]:
-        for path, lines in self._lines.items():
-            for number, text in enumerate(lines, 1):
+    def lines(self, path: str) -> Sequence[str]:
+        """Return the lines of a file without the white space around them."""
+        if path not in self._lines:
+            self._lines[path] = [line.strip() for line in self._lines_of(path)]
+        return self._lines[path]
+
+    def _located(self, other: "TreeLines") -> Iterator[tuple[Span, _Line]]:
+        """Yield the lines of the files that either robot has facts of."""
+        also = (f"{self._prefix}{other._relative(path)}" for path in other._starts)
+        for path in dict.fromkeys((*self._starts, *also)):
+            for number, text in enumerate(self.lines(path), 1):
                 if text:
                     yield point(path, number, 1), (self._relative(path), text)
 
     def lines_beyond(self, other: "TreeLines") -> tuple[Span, ...]:
         """Return the lines that the other robot lacks; of repeated lines, the surplus."""
-        left = Counter(other._count)
+        left = Counter(line for _, line in other._located(self))
         found = []
-        for span, line in self._located():
+        for span, line in self._located(other):
             left[line] -= 1
             if left[line] < 0:
                 found.append(span)
         return tuple(found)
 
-    def of_nodes(self, names: Iterable[str], other: "TreeLines") -> set[Span]:
-        """Return the locations of facts about some nodes, which the other robot lacks."""
-        return {
-            span
-            for name in names
-            for text, spans in self._facts.get(name, {}).items()
-            if text not in other._facts.get(name, {})
-            for span in spans
+    def why(self, atoms: Sequence[clingo.Symbol]) -> dict[clingo.Symbol, Trace]:
+        """Return the traces of some findings."""
+        return {} if self._evidence is None else self._evidence.explainer.why(atoms)
+
+    def causes(
+        self, here: Trace | None, there: Trace | None, other: "TreeLines"
+    ) -> frozenset[_Stated]:
+        """Return the facts that the other robot lacks and that caused a change.
+
+        On them rests the finding here, with the trace `here`, or what prevents that of the other
+        robot, with the trace `there`.
+        """
+        traces = [] if here is None else [here]
+        if there is not None:
+            absent = {step.atom for step in steps_of(there) if isinstance(step, Absent)}
+            traces += self.why(sorted(self._preventing(absent, other))).values()
+        atoms = {
+            step.atom
+            for trace in traces
+            for step in steps_of(trace, MEANINGS)
+            if isinstance(step, Given)
         }
+        found = [self._stated[atom] for atom in atoms if atom in self._stated]
+        return frozenset(each for each in found if self._is_surplus(each, other))
+
+    def like(self, causes: Iterable[_Stated], other: "TreeLines") -> set[Span]:
+        """Return the locations of surplus facts with a node and a name of some causes in common."""
+        alike = {(each.owner, word) for each in causes if each.owner for word in each.words}
+        return {
+            each.span
+            for each in self._stated.values()
+            if any((each.owner, word) in alike for word in each.words)
+            and self._is_surplus(each, other)
+        }
+
+    def _is_surplus(self, stated: _Stated, other: "TreeLines") -> bool:
+        return self._count[stated[:2]] > other._count[stated[:2]]
+
+    def _preventing(self, absent: Iterable[str], other: "TreeLines") -> set[clingo.Symbol]:
+        """Return the atoms here that are absent in a trace of the other robot."""
+        if self._evidence is None:
+            return set()
+        symbols = self._evidence.analysis.grounding.symbols
+        return {
+            symbol
+            for pattern in absent
+            for symbol in matching(pattern, symbols, other._relative, self._relative)
+        }
+
+    def counterparts(
+        self, spans: Iterable[Span], other: "TreeLines", differing: Collection[Span]
+    ) -> frozenset[Span]:
+        """Return the differing lines here in the place of differing lines of the other robot."""
+        lines: dict[str, set[int]] = {}
+        for span in spans:
+            lines.setdefault(span.path, set()).add(span.line)
+        found: set[Span] = set()
+        for path, numbers in lines.items():
+            own = f"{self._prefix}{other._relative(path)}"
+            blocks = SequenceMatcher(None, other.lines(path), self.lines(own), autojunk=False)
+            for how, begin, end, first, last in blocks.get_opcodes():
+                if how == "replace" and any(begin < number <= end for number in numbers):
+                    found.update(point(own, number + 1, 1) for number in range(first, last))
+        return frozenset(found.intersection(differing))
 
     def split(
         self, spans: Iterable[Span], differing: Sequence[Span]
@@ -87,12 +196,14 @@ class TreeLines:
 
     def naming(self, words: Collection[str], spans: Iterable[Span]) -> frozenset[Span]:
         """Return those of some locations whose line has one of the words."""
-        lines = ((span, self._lines[span.path][span.line - 1]) for span in spans)
+        lines = ((span, self.lines(span.path)[span.line - 1]) for span in spans)
         return frozenset(span for span, line in lines if any(word in line for word in words))
 
 
-def _of_nodes(facts: Iterable[Fact]) -> Iterator[tuple[str, str, Span]]:
-    """Yield the name of the node of each fact, the text of the fact without numbers, its place."""
+def _without_numbers(
+    facts: Iterable[Fact],
+) -> Iterator[tuple[Fact, str, str, frozenset[str]]]:
+    """Yield facts with their nodes, their texts without identifiers, and the names in them."""
     owners: dict[object, str] = {}
     for fact in facts:
         name, (first, *rest) = fact.atom.name, fact.atom.arguments
@@ -101,5 +212,8 @@ def _of_nodes(facts: Iterable[Fact]) -> Iterator[tuple[str, str, Span]]:
         elif first not in owners and isinstance(first, int) and rest and rest[0] in owners:
             # The end of a topic, an input or a renaming, which has a number of its own.
             owners[first] = owners[rest.pop(0)]
-        if isinstance(first, int) and first in owners and name not in _OBSERVED:
-            yield owners[first], f"{name}({','.join(map(str, rest))})", fact.span
+        if name not in _OBSERVED:
+            owner = owners.get(first, "") if isinstance(first, int) else ""
+            rest = rest if owner else [first, *rest]
+            words = frozenset(word for word in rest if isinstance(word, str))
+            yield fact, owner, f"{name}({','.join(map(str, rest))})", words
