@@ -324,6 +324,26 @@ def test_a_difference_of_workspaces_has_the_findings_of_check(
         assert f"{how} missing_file: the package `drive` has no" in capsys.readouterr().out
 
 
+def test_a_baseline_holds_in_every_working_folder(
+    workspace: Path, capsys: Captured, monkeypatch: Patch
+) -> None:
+    package = workspace / "src" / "drive"
+    (package / "launch" / "both.launch.xml").unlink()
+    (package / "launch" / "one.launch.xml").write_text(
+        '<launch><node pkg="drive" exec="sender" name="one">'
+        '<param from="$(find-pkg-share drive)/config/p.yaml"/></node></launch>'
+    )
+    (package / "config").mkdir()
+    (package / "config" / "p.yaml").write_text("other:\n  ros__parameters:\n    x: 1\n")
+    assert run_here(["check", "ws", "--write-baseline", "known.json"]) == 0
+    finding = json.loads(Path("known.json").read_text())["findings"][0]
+    assert finding["subject"] == "ws/src/drive/config/p.yaml"
+    monkeypatch.chdir(package)
+    capsys.readouterr()
+    assert run_here(["check", ".", "--baseline", "../../../known.json"]) == 0
+    assert "not reported: 1 in the baseline" in capsys.readouterr().err
+
+
 MUX = """\
 <launch>
   <node pkg="twist_mux" exec="twist_mux">
