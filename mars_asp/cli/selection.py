@@ -5,6 +5,7 @@ specification stays the same. Options replace the settings of the same name.
 """
 
 import argparse
+import os
 import shlex
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -16,7 +17,7 @@ from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.cli.deliver import write_file
 from mars_asp.cli.ignores import Ignore, ignores_in, ignores_of
 from mars_asp.cli.input_codes import ignorable_codes, is_input_error
-from mars_asp.cli.inputs import STANDARD_INPUT, check_inputs
+from mars_asp.cli.inputs import STANDARD_INPUT, check_inputs, workspace_of
 from mars_asp.cli.settings import settings_of
 from mars_asp.diagnostic import (
     Diagnostic,
@@ -284,7 +285,7 @@ class Selection:
             choice.select is None or "unused-ignore" in choice.select
         )
         remarks = (
-            *self._remarks(ignores if is_judged else (), found, project.diagnostics),
+            *self._remarks(ignores if is_judged else (), found, project),
             *_selected_notes(+unlisted, project.configuration.path),
         )
         return Selected(tuple(shown), tuple(hidden), remarks, choice.baseline is not None)
@@ -408,13 +409,16 @@ class Selection:
         self,
         ignores: Sequence[Ignore],
         found: Sequence[Consequence],
-        messages: Sequence[Diagnostic],
+        project: Project,
     ) -> Iterator[Diagnostic]:
         """Yield remarks on comments that hide nothing or name an unknown kind."""
         if not ignores:
             return
-        matched = {(*each.spans[0][:2], name) for each in found for name in _selectors(each)}
-        matched |= {(*each.span[:2], name) for each in messages for name in _selectors(each)}
+        matched = {(*one.spans[0][:2], name) for one in found for name in _selectors(one)}
+        for each in project.diagnostics:
+            matched.update((*each.span[:2], name) for name in _selectors(each))
+        # Other launch files may start what a comment is about.
+        is_whole = not project.trees or self._has_every_launch(project.configuration.path)
         for ignore in ignores:
             if not ignore.kinds:
                 message = "this comment names no kind of finding, so it hides nothing"
@@ -425,9 +429,16 @@ class Selection:
                     continue
                 if self._is_unknown(kind):
                     yield self._refusal(kind, span, "unused-ignore", "warning")
-                else:
+                elif is_whole:
                     message = f"this comment hides nothing: no `{kind}` is reported at its line"
                     yield _remark(message, span, _elsewhere(kind, span, found))
+
+    def _has_every_launch(self, path: str) -> bool:
+        """Whether a path is a workspace, or a package in none, and no launch file is chosen."""
+        if not os.path.isdir(path) or getattr(self._arguments, "launch", None):  # noqa: PTH112
+            return False
+        around = workspace_of(os.path.join(path, "_"))  # noqa: PTH118 -- may be `.`
+        return around is None or os.path.realpath(around) == os.path.realpath(path)
 
 
 def _selectors(finding: Consequence | Diagnostic) -> tuple[str, ...]:

@@ -324,6 +324,24 @@ def test_a_difference_of_workspaces_has_the_findings_of_check(
         assert f"{how} missing_file: the package `drive` has no" in capsys.readouterr().out
 
 
+def test_a_comment_is_judged_where_every_launch_file_is_read(
+    workspace: Path, capsys: Captured
+) -> None:
+    package = workspace / "src" / "drive"
+    sender, alone = package / "drive" / "sender.py", package / "launch" / "one.launch.xml"
+    commented = SENDER.replace("10)", "10)  # mars: ignore[ambiguous_priority] in turns")
+    sender.write_text(commented)
+    alone.write_text('<launch><node pkg="drive" exec="sender"/></launch>')
+    for words in (["ws"], ["ws", "--launch", str(alone)], [str(alone)]):
+        assert run_here(["check", *words, "--fail-on", "warning"]) == 0
+        assert "unused-ignore" not in capsys.readouterr().out
+    (package / "launch" / "both.launch.xml").unlink()
+    assert run_here(["check", "ws", "--fail-on", "warning"]) == 1
+    assert "unused-ignore" in capsys.readouterr().out
+    # Another package of the workspace may start the program.
+    assert run_here(["check", str(package), "--fail-on", "warning"]) == 0
+
+
 def test_a_baseline_holds_in_every_working_folder(
     workspace: Path, capsys: Captured, monkeypatch: Patch
 ) -> None:
