@@ -10,13 +10,12 @@ from mars_asp.model.declarations import FOREVER
 from mars_asp.model.graph import Endpoint, GivenFile, GraphNode, LaunchTree, Mux, Relay
 from mars_asp.model.ranges import MOST
 from mars_asp.output import encodable
-from mars_asp.spelling import nearest
+from mars_asp.reasoning.facts.topic_names import are_alike, is_misspelt
 
 #: By whether a condition has to hold.
 _WANTED = ("unless", "if")
 #: What a variable or a parameter of a template is called, in place of a type of messages.
 _VARIABLE = re.compile(r"[a-z_].*|(?:.*[a-z_])?T")
-_NUMBERED = re.compile(r"\d")
 #: Names of mux inputs that show from where the commands come.
 _SPELLINGS = {
     "hand": re.compile(
@@ -67,48 +66,13 @@ def _similar_names(nodes: Sequence[GraphNode]) -> Iterator[Fact]:
     for topic, span in heard.items():
         if topic not in sent:
             for other in free:
-                if _are_alike(topic, other):
+                if are_alike(topic, other):
                     yield _fact_at(span, "like_named", topic, other)
-                if _is_misspelt(topic, other):
+                if is_misspelt(topic, other):
                     yield _fact_at(span, "misspelt_topic", topic, other)
             for name in unread:
                 if topic.split("/")[1] in name.split("/"):
                     yield _fact_at(span, "near_node", topic, name)
-
-
-def _are_alike(topic: str, other: str) -> bool:
-    """Whether two different topics differ by a namespace, or in the spelling or parts of one word.
-
-    Parts are between underscores: `cmd_vel` and `cmd_vel_nav`.
-    """
-    words, others = topic.split("/")[1:], other.split("/")[1:]
-    if len(words) != len(others):
-        short, long = sorted((words, others), key=len)
-        return long[-len(short) :] == short
-    different = [pair for pair in zip(words, others, strict=True) if pair[0] != pair[1]]
-    if len(different) != 1:
-        return False
-    [(word, another)] = different
-    parts, further = word.split("_"), another.split("_")
-    if len(parts) != len(further):
-        short, long = sorted((parts, further), key=len)
-        remaining = iter(long)
-        return all(part in remaining for part in short)
-    return _is_misspelt(topic, other)
-
-
-def _is_misspelt(topic: str, other: str) -> bool:
-    """Whether two different topics differ in the spelling of one part of one word."""
-    parts, others = (re.split("[/_]", name) for name in (topic, other))
-    if len(parts) != len(others) or topic.count("/") != other.count("/"):
-        return False
-    odd = [pair for pair in zip(parts, others, strict=True) if pair[0] != pair[1]]
-    # `camera1` and `camera2` are two names, and so are `left_wheel` and `right_wheel`.
-    return (
-        len(odd) == 1
-        and not _NUMBERED.search("".join(odd[0]))
-        and nearest(odd[0][0], odd[0][1:]) is not None
-    )
 
 
 class _TreeFacts:

@@ -23,6 +23,7 @@ from mars_asp.model.ports import inputs, outputs
 from mars_asp.reasoning.facts.ends import Ends, side_outputs
 from mars_asp.reasoning.facts.identifiers import annotation_numbers
 from mars_asp.reasoning.facts.loose_ends import PortEnd, nearest
+from mars_asp.reasoning.facts.topic_names import are_alike
 
 #: Described modules by their names, each with its description.
 Described: TypeAlias = Mapping[str, Module]
@@ -119,6 +120,8 @@ def loose_ends(
         called = end(entry.module, entry.port)
         place = entry.annotation, entry.place
         yield fact_at(entry.span, "near", *place, called, output.annotation, rank)
+        if entry.port.startswith("/") and are_alike(entry.port, output.port):
+            yield fact_at(entry.span, "alike_topics", *place, output.annotation)
 
 
 def unknown_ports(described: Described, ends: Ends) -> Mapping[str, Iterable[str]]:
