@@ -739,6 +739,8 @@ class Robot:
         from mars_asp.cli.draw import drawn, relationship_kinds
 
         _check_types(about=(about, str), depth=(depth, int), only=(only, str))
+        if depth is not None and about is None:
+            raise _error("usage", "`depth` counts from a module: name it by `about`")
         try:
             kinds = None if only is None else relationship_kinds(only)
         except argparse.ArgumentTypeError as error:

@@ -68,7 +68,7 @@ FILES = {
     ),
     "reasoning/cases": "configurations places run examples",
     "reasoning/facts": (
-        "identifiers ends rates loose_ends ports closed_walks compile vocabulary "
+        "identifiers ends rates loose_ends topic_names ports closed_walks compile vocabulary "
         "motion descriptions launched otherwise"
     ),
     "reasoning/synthesis": (

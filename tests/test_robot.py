@@ -204,6 +204,7 @@ MISTAKES: dict[str, tuple[Callable[[Robot], Any], str]] = {
     "text for a list": (lambda r: r.check(ignore="loose_end"), 'ignore=["loose_end"]'),
     "module": (lambda r: r.explain("Sonr"), "did you mean `Sonar`?"),
     "atom": (lambda r: r.why_not("DataSpliter(Turn)"), "did you mean `DataSplitter`?"),
+    "depth": (lambda r: r.draw(depth=2), "`depth` counts from a module: name it by `about`"),
     "box": (lambda r: r.draw(about="Sonr"), "did you mean `Sonar`?"),
     "relationships": (lambda r: r.draw(only="dat"), "did you mean `data`?"),
     "query": (lambda r: r.can("Trans_X of Mobile"), "MobilePlatform"),

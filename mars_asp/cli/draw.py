@@ -93,11 +93,11 @@ def run(arguments: argparse.Namespace) -> int:
         return misuse("draw", f"a picture has no JSON: {advice}")
     project = read_project(arguments, quietly=True)
     configuration = project.configuration
-    picture = _part(project, kind in _PAINTED, arguments)
+    picture, is_cut = _part(project, kind in _PAINTED, arguments)
     report_reading(project, arguments)
     if picture.remark:
         options = "--about NAME draws what is near a module, --only some kinds, --whole all of it"
-        help_text = None if arguments.whole else options
+        help_text = options if is_cut else None
         span = whole_file(configuration.path)
         report([Diagnostic("draw", "note", picture.remark, span, help=help_text)], arguments)
     content = _drawn(picture, kind, arguments.layout, configuration.path)
@@ -111,12 +111,16 @@ def drawn(project: "Project", kind: str, arguments: argparse.Namespace) -> str |
     Raises:
         MarsError: `--about` names no module, or the diagram is too large.
     """
-    picture = _part(project, kind in _PAINTED, arguments)
+    picture, _ = _part(project, kind in _PAINTED, arguments)
     return _drawn(picture, kind, arguments.layout, project.configuration.path)
 
 
-def _part(project: "Project", is_painted: bool, arguments: argparse.Namespace) -> "Picture":
-    """Return the part of a diagram that `--about` requests, with a remark on omitted parts.
+def _part(
+    project: "Project", is_painted: bool, arguments: argparse.Namespace
+) -> "tuple[Picture, bool]":
+    """Return the requested part of a diagram, with a remark on omitted parts, and if it was cut.
+
+    A picture that is cut is larger than a screen, and whole with `--whole`.
 
     Raises:
         MarsError: `--about` names no module.
@@ -141,9 +145,10 @@ def _part(project: "Project", is_painted: bool, arguments: argparse.Namespace) -
     if arguments.about is not None:
         shown = about(shown, name, _DEPTH if arguments.depth is None else arguments.depth, port)
     # Other programs lay out the other formats.
-    if is_painted and not arguments.whole:
-        shown = fitting(shown, drawn_width, name)
-    return replace(shown, remark=left_out(whole, shown) or "")
+    is_fitted = is_painted and not arguments.whole
+    fitted = fitting(shown, drawn_width, name) if is_fitted else shown
+    remark = left_out(whole, fitted) or ""
+    return replace(fitted, remark=remark), len(fitted.boxes) < len(shown.boxes)
 
 
 def _box_and_port(

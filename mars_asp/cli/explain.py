@@ -493,17 +493,17 @@ def why_not_answer(reasoner: Reasoner, arguments: argparse.Namespace) -> "WhyNot
     """
     from mars_asp.reasoning.questions.why_not import why_not
 
-    project, asked = reasoner.project, arguments.why_not
-    kind = asked.partition("(")[0].strip()
+    project, atom = reasoner.project, arguments.why_not
+    kind = atom.partition("(")[0].strip()
     if project.trees or kind not in consequence_kinds(rulebook_for(arguments)):
         judging = rulebook_for(arguments, JUDGING)
         found, rules = analyse_trees(project, judging), launch_rules(judging)
-        answer = _why_no_finding(project, found, rules, asked, arguments)
+        answer = _why_no_finding(project, found, rules, atom, arguments)
         if answer is not None:
             return answer
-    line = read_relationship(asked, project)
-    answer = why_not(reasoner, asked if line is None else line.atom, _levels(arguments))
-    if line is None or line.atom == asked:
+    line = read_relationship(atom, project)
+    answer = why_not(reasoner, atom if line is None else line.atom, _levels(arguments))
+    if line is None or line.atom == atom:
         return answer
     return replace(answer, subject=line.line, answer=_of_line(answer.answer, line))
 

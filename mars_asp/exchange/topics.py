@@ -276,7 +276,7 @@ def _dropped(topic: str) -> str | None:
         return "topics of actions"
     if topic.rpartition("/")[2] in _MIDDLEWARE:
         return "topics of the middleware"
-    return "debug topics" if _DEBUG.search(topic) else None
+    return "topics for debugging" if _DEBUG.search(topic) else None
 
 
 def _control_lines(wiring: _Wiring) -> tuple[list[Control], tuple[Muxed, ...], list[Name]]:

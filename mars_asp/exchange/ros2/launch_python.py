@@ -331,7 +331,7 @@ class _LaunchReader(Evaluator):
         if call.name in _CONTAINERS:
             if call.name == "ComposableNodeContainer":
                 called = plain(text_from(call.get("name"))) or "?"
-                yield Unread("containers of components", called, call.span)
+                yield Unread("containers, apart from their components,", called, call.span)
             components = call.get("composable_node_descriptions")
             yield from self.interpret(components, tests)
             return

@@ -9,7 +9,7 @@ from functools import cache, partial
 from itertools import chain, takewhile
 from pathlib import Path
 
-from mars_asp.diagnostic import Diagnostic, MarsError, Span, refusal, whole_file
+from mars_asp.diagnostic import Diagnostic, MarsError, Span, point, refusal, whole_file
 from mars_asp.exchange.folders import (
     IGNORE_MARKERS,
     LAUNCH_ENDINGS,
@@ -85,8 +85,8 @@ _NOWHERE = Path("/dev/null/nowhere")
 _NAME = re.compile(r"[^\x00-\x1f\x7f]+")
 #: Packages whose programs start something in others, and as what they are noted.
 _HELPERS = {
-    "rclcpp_components": "containers of components",
-    "nodelet": "containers of components",
+    "rclcpp_components": "containers, apart from their components,",
+    "nodelet": "containers, apart from their components,",
     "controller_manager": "controller managers and spawners",
     "ros_gz_sim": "programs of the simulator that a bridge joins",
     "gazebo_ros": "programs of the simulator",
@@ -104,7 +104,7 @@ _HARMLESS = frozenset(
         SERVICES,
         # Controllers are nodes of their own, which spawners load.
         _CONTROLLER_MANAGERS,
-        "containers of components",
+        "containers, apart from their components,",
         "nodes that are made but not launched",
         "locks",
         "topics of locks",
@@ -401,7 +401,7 @@ class _WorkspaceRobot:
         left_out = None if launch.path is None else self.workspace.left_out(launch.path)
         if launch.path is not None and left_out is not None:
             package, name = left_out
-            place = whole_file(self.workspace.shown(launch.path))
+            place = point(self.workspace.shown(launch.path), 1, 1)
             missing[AbsentFile(name, package, place, "not installed")] = None
         for file in launch.passed:
             self.document(file)
@@ -803,7 +803,7 @@ class _WorkspaceRobot:
         self, started: Started, full: str, name: str, values: Mapping[str, GivenParameter]
     ) -> GraphNode:
         """Return the node `full` of a program whose source is unknown, without topics."""
-        sort = "topics of nodes with neither a readable source here nor an entry in the catalogue"
+        sort = "nodes (no readable source here, no entry in the catalogue)"
         marker = self.workspace.marker_of(f"$(find-pkg-share {started.package})")
         if marker is not None:
             sort = f"nodes of packages in a folder that `{self.workspace.shown(marker)}` excludes"

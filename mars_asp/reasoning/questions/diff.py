@@ -408,8 +408,8 @@ def _changed_findings(before: _Side, after: _Side) -> Iterator[Change[Consequenc
     """Yield the differing findings in launch trees, with the differing lines that caused them."""
     old, new = before.tree_lines, after.tree_lines
     pairs = tuple(_pairs(before.launch_findings(), after.launch_findings()))
-    old_traces = old.why([gone.atom for _, gone, _ in pairs if gone is not None])
-    new_traces = new.why([come.atom for _, _, come in pairs if come is not None])
+    old_traces = old.traces_of([gone.atom for _, gone, _ in pairs if gone is not None])
+    new_traces = new.traces_of([come.atom for _, _, come in pairs if come is not None])
     for how, gone, come in pairs:
         was, now = (None if each is None else each.item for each in (gone, come))
         found = [each for each in (was, now) if each is not None]

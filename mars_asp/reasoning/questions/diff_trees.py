@@ -25,7 +25,7 @@ _ANYTHING = re.compile(r"(?<=[(,])_(?=[,)])")
 _Line = tuple[str, str]
 
 
-class _Stated(NamedTuple):
+class _TreeFact(NamedTuple):
     """A fact with its node, "" if it has none, and its text without numbers and folder."""
 
     owner: str
@@ -69,11 +69,11 @@ class TreeLines:
         self._prefix = "" if folder == "." else f"{folder}/"
         self._evidence, self._lines_of = evidence, lines_of
         facts = () if evidence is None else evidence.facts
-        self._stated = {
-            str(fact.atom): _Stated(owner, self._relative(text), words, fact.span)
+        self._tree_facts = {
+            str(fact.atom): _TreeFact(owner, self._relative(text), words, fact.span)
             for fact, owner, text, words in _without_numbers(facts)
         }
-        self._count = Counter(each[:2] for each in self._stated.values())
+        self._count = Counter(each[:2] for each in self._tree_facts.values())
         #: The lines of each file that are locations of facts, sorted.
         self._starts: dict[str, list[int]] = {}
         for path, line in sorted({(fact.span.path, fact.span.line) for fact in facts}):
@@ -83,7 +83,7 @@ class TreeLines:
     def _relative(self, text: str) -> str:
         return text.replace(self._prefix, "") if self._prefix else text
 
-    def lines(self, path: str) -> Sequence[str]:
+    def stripped_lines(self, path: str) -> Sequence[str]:
         """Return the lines of a file without the white space around them."""
         if path not in self._lines:
             self._lines[path] = [line.strip() for line in self._lines_of(path)]
@@ -93,7 +93,7 @@ class TreeLines:
         """Yield the lines of the files that either robot has facts of."""
         also = (f"{self._prefix}{other._relative(path)}" for path in other._starts)
         for path in dict.fromkeys((*self._starts, *also)):
-            for number, text in enumerate(self.lines(path), 1):
+            for number, text in enumerate(self.stripped_lines(path), 1):
                 if text:
                     yield point(path, number, 1), (self._relative(path), text)
 
@@ -107,13 +107,13 @@ class TreeLines:
                 found.append(span)
         return tuple(found)
 
-    def why(self, atoms: Sequence[clingo.Symbol]) -> dict[clingo.Symbol, Trace]:
+    def traces_of(self, atoms: Sequence[clingo.Symbol]) -> dict[clingo.Symbol, Trace]:
         """Return the traces of some findings."""
         return {} if self._evidence is None else self._evidence.explainer.why(atoms)
 
     def causes(
         self, here: Trace | None, there: Trace | None, other: "TreeLines"
-    ) -> frozenset[_Stated]:
+    ) -> frozenset[_TreeFact]:
         """Return the facts that the other robot lacks and that caused a change.
 
         On them rests the finding here, with the trace `here`, or what prevents that of the other
@@ -122,28 +122,28 @@ class TreeLines:
         traces = [] if here is None else [here]
         if there is not None:
             absent = {step.atom for step in steps_of(there) if isinstance(step, Absent)}
-            traces += self.why(sorted(self._preventing(absent, other))).values()
+            traces += self.traces_of(sorted(self._preventing(absent, other))).values()
         atoms = {
             step.atom
             for trace in traces
             for step in steps_of(trace, MEANINGS)
             if isinstance(step, Given)
         }
-        found = [self._stated[atom] for atom in atoms if atom in self._stated]
+        found = [self._tree_facts[atom] for atom in atoms if atom in self._tree_facts]
         return frozenset(each for each in found if self._is_surplus(each, other))
 
-    def like(self, causes: Iterable[_Stated], other: "TreeLines") -> set[Span]:
+    def like(self, causes: Iterable[_TreeFact], other: "TreeLines") -> set[Span]:
         """Return the locations of surplus facts with a node and a name of some causes in common."""
         alike = {(each.owner, word) for each in causes if each.owner for word in each.words}
         return {
             each.span
-            for each in self._stated.values()
+            for each in self._tree_facts.values()
             if any((each.owner, word) in alike for word in each.words)
             and self._is_surplus(each, other)
         }
 
-    def _is_surplus(self, stated: _Stated, other: "TreeLines") -> bool:
-        return self._count[stated[:2]] > other._count[stated[:2]]
+    def _is_surplus(self, fact: _TreeFact, other: "TreeLines") -> bool:
+        return self._count[fact[:2]] > other._count[fact[:2]]
 
     def _preventing(self, absent: Iterable[str], other: "TreeLines") -> set[clingo.Symbol]:
         """Return the atoms here that are absent in a trace of the other robot."""
@@ -166,7 +166,9 @@ class TreeLines:
         found: set[Span] = set()
         for path, numbers in lines.items():
             own = f"{self._prefix}{other._relative(path)}"
-            blocks = SequenceMatcher(None, other.lines(path), self.lines(own), autojunk=False)
+            blocks = SequenceMatcher(
+                None, other.stripped_lines(path), self.stripped_lines(own), autojunk=False
+            )
             for how, begin, end, first, last in blocks.get_opcodes():
                 if how == "replace" and any(begin < number <= end for number in numbers):
                     found.update(point(own, number + 1, 1) for number in range(first, last))
@@ -196,7 +198,7 @@ class TreeLines:
 
     def naming(self, words: Collection[str], spans: Iterable[Span]) -> frozenset[Span]:
         """Return those of some locations whose line has one of the words."""
-        lines = ((span, self.lines(span.path)[span.line - 1]) for span in spans)
+        lines = ((span, self.stripped_lines(span.path)[span.line - 1]) for span in spans)
         return frozenset(span for span, line in lines if any(word in line for word in words))
 
 
