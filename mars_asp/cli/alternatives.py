@@ -199,7 +199,7 @@ def _relationships(found: Alternatives) -> str:
     heard = sum(name in listeners for name in taken) - len(listeners)
     shared = declared + len(nodes) + fanned + heard - len(lines)
     if not declared:
-        return "none is declared"
+        return "no data and no control is declared"
     first = f"the {declared} declared" if declared > 1 else "the one declared"
     repeated = found.written - declared
     texts = [f"{first} ({repeated} repeated aside)" if repeated else first]

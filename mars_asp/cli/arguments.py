@@ -297,8 +297,13 @@ def ordered(words: Sequence[str]) -> list[str]:
         before = ["--help"]
     if ALIASES.get(rest[0], rest[0]) not in VERBS:
         is_option = f"--{rest[0]}" in (*takes, "--version")
+        longer = [verb for verb in VERBS if verb.startswith(rest[0]) and len(rest[0]) > 1]
         near = parser.meant(rest[0]) or (
-            f"--{rest[0]}" if is_option else nearest(rest[0], (*VERBS, *ALIASES), _ALIKE_VERB)
+            f"--{rest[0]}"
+            if is_option
+            else longer[0]
+            if len(longer) == 1
+            else nearest(rest[0], (*VERBS, *ALIASES), _ALIKE_VERB)
         )
         hint = f"did you mean `{near}`?" if near else f"one of {', '.join(VERBS)}"
         hint = help_texts()["advice"].get(rest[0], hint)

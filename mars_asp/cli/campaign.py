@@ -272,8 +272,10 @@ def _finish(
     elif not streamed or not arguments.quiet:
         print_table(results, summary["worst"], sys.stderr if streamed else sys.stdout)
     if are_equal(results):
-        message = "nothing in this scenario is drawn from the seed: all its runs are equal"
-        advice = "scatter obstacles, give sensors a `sigma` or links a `loss`, or run it once"
+        message = (
+            "nothing in this scenario is drawn from the seed: its runs are equal for all seeds"
+        )
+        advice = "scatter obstacles, give sensors a `sigma` or links a `loss`, or take one seed"
         place = whole_file(arguments.scenario)
         report([Diagnostic("campaign", "warning", message, place, help=advice)], arguments)
     passed = share_passed(results)

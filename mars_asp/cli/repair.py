@@ -14,6 +14,7 @@ from mars_asp.cli.selection import Selection
 from mars_asp.cli.wrapping import columns, spent, wrapped
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.language.text_edits import LineEdit
+from mars_asp.model.declarations import Mount
 from mars_asp.output import counted, visible
 from mars_asp.reasoning.analysis import Consequence
 from mars_asp.reasoning.project import Project
@@ -63,9 +64,7 @@ def run_repair(project: Project, arguments: argparse.Namespace, subject: str | N
     print_result(
         arguments,
         lambda: {"subject": subject, "repairs": list(map(repair_json, found))},
-        _repair_text(
-            found, colours(arguments, sys.stdout), columns(sys.stdout), foreign=is_foreign
-        ),
+        _repair_text(found, project, colours(arguments, sys.stdout), columns(sys.stdout)),
     )
     if any(repair.late for repair in found):
         print("mars-asp: the time limit ended the search", file=sys.stderr)
@@ -74,8 +73,9 @@ def run_repair(project: Project, arguments: argparse.Namespace, subject: str | N
 
 
 def _repair_text(
-    found: tuple[Repair, ...], coloured: bool, width: int, *, foreign: bool
+    found: tuple[Repair, ...], project: Project, coloured: bool, width: int
 ) -> Iterator[str]:
+    has_mounts = any(isinstance(each, Mount) for each in project.configuration.relationships)
     if not found:
         yield "nothing to repair"
     printed: dict[tuple[LineEdit, ...], str] = {}
@@ -88,8 +88,8 @@ def _repair_text(
         for number, mend in enumerate(repair.mends, 1):
             here = f"repair {number} of `{consequence.kind}({visible(consequence.subject)})`"
             first = printed.setdefault(mend.lines, here)
-            yield from _mend_text(number, mend, first, here, width)
-        if foreign:
+            yield from _mend_text(number, mend, first, here, width, has_mounts)
+        if project.format is not None:
             for text in _by_hand(consequence):
                 yield from wrapped(text, width, "  ", "    ")
         elif not repair.proposed:
@@ -121,8 +121,13 @@ def _unproposed(consequence: Consequence) -> str:
     return f"no rule proposes an edit for `{consequence.kind}`; one of yours may: `{rule}`"
 
 
-def _mend_text(number: int, mend: Mend, first: str, here: str, width: int) -> Iterator[str]:
-    """Yield the lines of a repair named `here`; long ones only at their `first` name."""
+def _mend_text(
+    number: int, mend: Mend, first: str, here: str, width: int, has_mounts: bool
+) -> Iterator[str]:
+    """Yield the lines of a repair named `here`; long ones only at their `first` name.
+
+    The numbers of relationships leave out mounts, which every specification has.
+    """
     messages = "; ".join(visible(edit.message) for edit in mend.edits)
     rules = ", ".join(dict.fromkeys(edit.rule.id for edit in mend.edits))
     yield from wrapped(f"{messages}  [{rules}]", width, f"  {number}. ", _BELOW)
@@ -140,7 +145,8 @@ def _mend_text(number: int, mend: Mend, first: str, here: str, width: int) -> It
         yield f"{_BELOW}{counted(mend.errors, 'other error')} {are} left"
     elif mend.spent is not None:
         costs = spent(by_name(mend.spent))
-        message = f"then there is a specification of {costs}" if costs else _NOTHING_LEFT
+        message = f"then there is a specification of {costs}{' besides mounts' * has_mounts}"
+        message = message if costs else _NOTHING_LEFT
         yield from wrapped(message, width, _BELOW, _BELOW)
 
 

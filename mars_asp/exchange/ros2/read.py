@@ -324,6 +324,7 @@ class _WorkspaceRobot:
         for launch in launches:
             self.unread += launch.unread
         self.unread = [*map(self._with_marker, self.unread), *self._of_packages(launches, paths)]
+        self.unread += self.workspace.annotated_modules()
         if not self.trees:
             raise self._nothing(paths)
         includes = any(len(launch.reached) > 1 for launch in launches)

@@ -14,7 +14,7 @@ from itertools import chain, islice
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
-from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
+from mars_asp.diagnostic import Diagnostic, MarsError, point, whole_file
 from mars_asp.exchange.elements import read_elements
 from mars_asp.exchange.folders import IGNORE_MARKERS, IsExcluded, nothing_excluded
 from mars_asp.exchange.ros2.cmake import (
@@ -102,6 +102,8 @@ _XML_NAME = re.compile(r"<name>\s*([A-Za-z][\w-]*)\s*</name>")
 _NO_NAME = re.compile(r"<name>\s*</name>")
 _BUILD_TYPE = re.compile(r"<build_type[^<>]*>\s*(\w+)")
 _CATKIN = re.compile(r"<buildtool_depend[^<>]*>\s*(catkin)\b")
+#: The name of a module in its annotations.
+_MODULE_NAME = re.compile(r"@module_name[ \t]+(\S+)")
 _COMMENT = re.compile(r"<!--.*?(?:-->|\Z)", re.DOTALL)
 
 
@@ -692,6 +694,15 @@ class Workspace:
         """The macros and functions in CMake modules of the workspace that may install files."""
         modules = (file for file in self.files if file.suffix == ".cmake")
         return frozenset(chain.from_iterable(map(installing_macros, map(self.readable, modules))))
+
+    def annotated_modules(self) -> Iterator[Unread]:
+        """Yield the annotated modules of the sources that were read: nothing takes them."""
+        sort = "annotations of modules (for `@sources` of a `.mars` file)"
+        for file, text in sorted(self._texts.items()):
+            if file.suffix in _SOURCES and "@module_start" in text:
+                for match in _MODULE_NAME.finditer(text):
+                    line = text.count("\n", 0, match.start()) + 1
+                    yield Unread(sort, match[1], point(self.shown(file), line, 1))
 
     def readable(self, file: Path) -> str:
         """Return the text of a file, or "" if it cannot be read."""

@@ -418,8 +418,8 @@ def _changed_findings(before: _Side, after: _Side) -> Iterator[Change[Consequenc
         old_spans, new_spans = ({*(each.spans if each else ())} for each in (was, now))
         old_facts = old.causes(old_trace, new_trace, new)
         new_facts = new.causes(new_trace, old_trace, old)
-        old_causes = {each.span for each in old_facts} | old.like(old_facts | new_facts, new)
-        new_causes = {each.span for each in new_facts} | new.like(old_facts | new_facts, old)
+        old_causes = {each.span for each in old_facts} | old.alike_spans(old_facts | new_facts, new)
+        new_causes = {each.span for each in new_facts} | new.alike_spans(old_facts | new_facts, old)
         removed, left = old.split(old_spans | old_causes, before.differing)
         added, stay = new.split(new_spans | new_causes, after.differing)
         unchanged = stay & new_causes or left & old_causes or stay or left

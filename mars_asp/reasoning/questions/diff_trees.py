@@ -132,7 +132,7 @@ class TreeLines:
         found = [self._tree_facts[atom] for atom in atoms if atom in self._tree_facts]
         return frozenset(each for each in found if self._is_surplus(each, other))
 
-    def like(self, causes: Iterable[_TreeFact], other: "TreeLines") -> set[Span]:
+    def alike_spans(self, causes: Iterable[_TreeFact], other: "TreeLines") -> set[Span]:
         """Return the locations of surplus facts with a node and a name of some causes in common."""
         alike = {(each.owner, word) for each in causes if each.owner for word in each.words}
         return {

@@ -52,6 +52,18 @@ FOREIGN = {
     "ros2/courier": "a_workspace",
 }
 EXAMPLES = sorted((ROOT / "examples").glob("*/*.mars"))
+#: A node of ROS with a topic, in a configuration that was saved.
+GRAPH = """@configuration
+@modules /base
+// imported from ros2
+@module_start
+@module_name /base
+@Sense NotifyWhenReady
+@Output Pose
+@Input none
+void pose();
+@module_end
+"""
 #: What is asked of `tests/questions/able.mars`; `questions.txt` has the answers.
 ABLE = (
     "Rotn_Z of Arm",
@@ -173,8 +185,11 @@ def test_every_rule_speaks_in_a_case() -> None:
     for name in PRICES:
         spoken |= set(account_of(ROOT / "tests/questions" / name, "ArbitrationNode").rules)
     able = load_rulebook(stages=("can", STAGE))
-    for query in ABLE:
-        answer = capability(load_project(str(ROOT / "tests/questions/able.mars")), able, query)
+    questions = [(load_project(str(ROOT / "tests/questions/able.mars")), query) for query in ABLE]
+    graph = load_project("graph.mars", text=GRAPH)
+    questions.append((graph, "Trans_X of /base"))
+    for project, query in questions:
+        answer = capability(project, able, query)
         spoken |= {rule for verdict in answer.verdicts for rule in verdict.account.rules}
     assert telling - spoken == UNSPOKEN
 
