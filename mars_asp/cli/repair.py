@@ -126,7 +126,7 @@ def _mend_text(
 ) -> Iterator[str]:
     """Yield the lines of a repair named `here`; long ones only at their `first` name.
 
-    The numbers of relationships leave out mounts, which every specification has.
+    The numbers of relationships leave out mounts, which all specifications have.
     """
     messages = "; ".join(visible(edit.message) for edit in mend.edits)
     rules = ", ".join(dict.fromkeys(edit.rule.id for edit in mend.edits))
@@ -145,7 +145,7 @@ def _mend_text(
         yield f"{_BELOW}{counted(mend.errors, 'other error')} {are} left"
     elif mend.spent is not None:
         costs = spent(by_name(mend.spent))
-        message = f"then there is a specification of {costs}{' besides mounts' * has_mounts}"
+        message = f"then there is a specification of {costs}{' plus mounts' * has_mounts}"
         message = message if costs else _NOTHING_LEFT
         yield from wrapped(message, width, _BELOW, _BELOW)
 
