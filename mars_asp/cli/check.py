@@ -337,7 +337,7 @@ def judge(
     # Until all robots are checked, others that include the file are judged by its old content.
     for path, _, _ in one.written:
         forget(path)
-    if project.format is not None and arguments.fix:
+    if project.format is not None and arguments.fix and selected.shown:
         note = _unfixed(project.configuration.path, _FOREIGN, _BY_HAND, "note")
         one.append_results([Result(note)])
     failing = _FAILING[arguments.fail_on]

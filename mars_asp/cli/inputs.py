@@ -379,6 +379,7 @@ def robots_in_folder(arguments: argparse.Namespace, path: str) -> "FolderRobots"
             each for each in robots if all(file.is_relative_to(each.resolve()) for file in launch)
         ]
         robot = folders[0] if len(folders) == 1 else Path(path)
+        print_settings(arguments, Path(path))
         detail(arguments, f"robot {robot}")
         return FolderRobots((robot,))
     passed_over: list[Path] = []

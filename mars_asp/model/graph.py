@@ -87,7 +87,8 @@ class Mux:
     """A node that forwards, to `output`, the messages of the input with the highest priority.
 
     `locks` stop the inputs of lower priorities. `numbers` and `inner` describe a cascade that was
-    merged into one mux, as in `Muxed`.
+    merged into one mux, as in `Muxed`. `renamed` are its remappings, and `names` its topics before
+    them, if all are known.
     """
 
     name: str
@@ -100,6 +101,8 @@ class Mux:
     conditions: tuple["StartCondition", ...] = ()
     given: tuple[GivenFile, ...] = ()
     locks: tuple[MuxInput, ...] = ()
+    renamed: tuple["Renaming", ...] = ()
+    names: frozenset[str] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -244,5 +247,6 @@ class LaunchTree:
             spans += (each.span for each in node.given)
         for mux in self.muxes:
             spans += (each.span for each in (*mux.inputs, *mux.locks))
+            spans += (each.span for each in mux.renamed)
             spans += (each.span for each in mux.given)
         return frozenset(span.path for span in spans)

@@ -754,3 +754,15 @@ def test_another_text_at_standard_input_is_one_error(text: str, first: str, numb
     done = mars("check", "-", text=text)
     assert done.returncode == 2
     assert done.stdout.startswith(first) and done.stdout.count(" error: ") == number
+
+
+def test_a_foreign_file_without_findings_has_nothing_to_fix(
+    tmp_path: Path, capsys: Captured
+) -> None:
+    path = tmp_path / "arm.urdf"
+    path.write_text(
+        '<robot name="arm"><link name="a"/><link name="b"/><joint name="j" type="fixed">'
+        '<parent link="a"/><child link="b"/></joint></robot>'
+    )
+    assert run_here(["check", str(path), "--fix"]) == 0
+    assert capsys.readouterr() == ("", "no problems found in 1 file\n")

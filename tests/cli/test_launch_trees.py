@@ -342,6 +342,37 @@ def test_a_comment_is_judged_where_every_launch_file_is_read(
     assert run_here(["check", str(package), "--fail-on", "warning"]) == 0
 
 
+def test_a_chosen_launch_file_has_the_faults_of_its_programs(
+    workspace: Path, capsys: Captured
+) -> None:
+    setup = workspace / "src" / "drive" / "setup.py"
+    setup.write_text(setup.read_text().replace(":main", ":mian"))
+    (workspace / "mars.toml").touch()
+    chosen = ["check", "ws", "--launch", "one.launch.xml", "-v", "--fail-on", "warning"]
+    assert run_here(chosen) == 1
+    output = capsys.readouterr()
+    assert "is the function `drive.sender:mian`, which is not there [missing_file]" in output.out
+    assert "mars-asp: settings ws/mars.toml\n" in output.err
+
+
+@pytest.mark.parametrize(("output", "is_dead"), [("cmd_vel_uot", True), ("cmd_vel_out", False)])
+def test_a_renaming_of_no_topic_of_a_mux_is_dead(
+    workspace: Path, capsys: Captured, output: str, is_dead: bool
+) -> None:
+    package = workspace / "src" / "drive"
+    (package / "launch" / "one.launch.xml").unlink()
+    renaming = f'/config/mux.yaml"/><remap from="{output}" to="cmd_vel"/>'
+    text = MUX.replace('/config/mux.yaml"/>', renaming)
+    (package / "launch" / "both.launch.xml").write_text(text)
+    (package / "config").mkdir()
+    (package / "config" / "mux.yaml").write_text(INPUTS)
+    run_here(["check", "ws", "--select", "dead_remap"])
+    found = f"`/twist_mux` has no topic `/{output}`, which is renamed to `/cmd_vel`"
+    assert (found in capsys.readouterr().out) == is_dead
+    run_here(["explain", "ws", "--why-not", "dead_remap(/twist_mux)"])
+    assert "no launch file renames" not in capsys.readouterr().out
+
+
 def test_a_baseline_holds_in_every_working_folder(
     workspace: Path, capsys: Captured, monkeypatch: Patch
 ) -> None:

@@ -19,6 +19,8 @@ from mars_asp.model.graph import Mux
 _PACKAGES = frozenset(
     {"twist_mux", "ackermann_mux", "yocs_cmd_vel_mux", "cmd_vel_mux", "ackermann_cmd_mux"}
 )
+#: A topic of twist_mux that its parameters do not name.
+_FURTHER = ("/diagnostics",)
 
 
 def is_mux(program: RosProgram) -> bool:
@@ -52,7 +54,18 @@ def mux_of(started: Started, name: str, full: str, given: Sequence[Mux]) -> Mux 
 
     inputs = tuple(replace(each, topic=known(each.topic)) for each in mux.inputs)
     locks = tuple(replace(each, topic=known(each.topic)) for each in mux.locks)
-    return replace(mux, name=full, output=known(output), inputs=inputs, locks=locks)
+    # Of other muxes not all topics are known.
+    is_known = started.package == "twist_mux" and mux.engine == "twist_mux"
+    topics = (output, *_FURTHER, *(each.topic for each in (*mux.inputs, *mux.locks)))
+    names = frozenset(renamed(each, started.namespace, name, ()) for each in topics)
+    return replace(
+        mux,
+        name=full,
+        output=known(output),
+        inputs=inputs,
+        locks=locks,
+        names=names if is_known else None,
+    )
 
 
 def unbound(mux: Mux) -> Mux:

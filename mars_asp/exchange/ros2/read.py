@@ -345,8 +345,8 @@ class _WorkspaceRobot:
     ) -> LaunchTree:
         """Return the first launch tree with the faults of no launch file.
 
-        These are manifests with errors; of a folder all other faults of packages; of a launch file
-        those of its programs and their packages.
+        These are manifests with errors; of a folder all other faults of packages; of launch files
+        those of their programs and the packages of these.
         """
         first = self.trees[0]
         unread = self._of_packages(launches, paths)
@@ -354,15 +354,14 @@ class _WorkspaceRobot:
         broken = [*first.broken, *((each.name, each.span) for each in manifests)]
         missing = list(first.missing)
         broken += self.programs.unreadable_modules()
-        if not self.chosen:
-            is_whole = self.workspace.root in paths
-            entries = self.programs.absent_entries()
-            missing += (each for each in entries if is_whole or each.package in self.packages)
-            if is_whole:
-                # The console scripts have been read as well now.
-                broken += self.programs.unreadable_modules()
-            if is_whole and are_launched:
-                first = replace(first, by_hand=tuple(self._by_hand(launches, paths)))
+        is_whole = self.workspace.root in paths and not self.chosen
+        entries = self.programs.absent_entries()
+        missing += (each for each in entries if is_whole or each.package in self.packages)
+        if is_whole:
+            # The console scripts have been read as well now.
+            broken += self.programs.unreadable_modules()
+        if is_whole and are_launched:
+            first = replace(first, by_hand=tuple(self._by_hand(launches, paths)))
         return replace(first, missing=tuple(missing), broken=tuple(dict.fromkeys(broken)))
 
     def _of_packages(self, launches: Sequence[Launch], paths: Sequence[Path]) -> Sequence[Unread]:
@@ -726,7 +725,8 @@ class _WorkspaceRobot:
             given = tuple(self._parameters_of_mux(started, full))
             mux = mux_of(started, name, full, given)
             if mux is not None:
-                return replace(mux, conditions=started.conditions)
+                renamed_topics = self._renamed(started, name)
+                return replace(mux, conditions=started.conditions, renamed=renamed_topics)
         values = self._node_parameters(started, full)
         is_source = interface is not None and not is_catalogued
         relay = self._relay(program, started, name, values)

@@ -176,17 +176,20 @@ class _TreeFacts:
             yield from self.of_end("sends_on", number, end)
         for end in node.subscribed:
             yield from self.of_end("hears_on", number, end)
-        for each in node.renamed:
-            yield from self.with_place(each.span, "renames", number, each.source, each.target)
-        renamed = {each.source for each in node.renamed}
-        for named in sorted(node.names & renamed):
-            yield _fact_at(node.span, "has_name", number, named)
+        yield from self.of_renamings(number, node)
         is_unknown = node.unread and not (node.published or node.subscribed)
         for named in sorted(node.names if is_unknown else ()):
             yield _fact_at(node.span, "may_use", number, named)
         yield from self.of_files(number, node.given)
         for managed, span in node.manages:
             yield from self.with_place(span, "manages", number, managed)
+
+    def of_renamings(self, number: int, node: GraphNode | Mux) -> Iterator[Fact]:
+        """Yield the facts of remappings, and of the names among them that the node has."""
+        for each in node.renamed:
+            yield from self.with_place(each.span, "renames", number, each.source, each.target)
+        for named in sorted({each.source for each in node.renamed} & (node.names or set())):
+            yield _fact_at(node.span, "has_name", number, named)
 
     def of_files(self, number: int, files: Iterable[GivenFile]) -> Iterator[Fact]:
         """Yield the facts of the parameter files that the node or mux `number` is given."""
@@ -216,6 +219,9 @@ class _TreeFacts:
         yield from facts
         yield _fact_at(mux.span, "selects_for", number, Atom(mux.engine), mux.output)
         yield from self.of_files(number, mux.given)
+        yield from self.of_renamings(number, mux)
+        if mux.names is not None:
+            yield _fact_at(mux.span, "wholly_read", number)
         for each in mux.inputs:
             first, *others = self.with_place(
                 each.span, "selects", number, each.name, each.topic, min(each.priority, MOST)

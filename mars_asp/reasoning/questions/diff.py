@@ -269,15 +269,16 @@ class _Side:
         if self.synthesis is None:
             return
         resolves = self.synthesis.specification.resolves
-        gated = {f"{c.key[0]}({c.key[1]})": c for c in self.consequences()}
+        known = {f"{c.key[0]}({c.key[1]})": c for c in self.consequences()}
         for node in self.synthesis.specification.nodes:
             term = clingo.parse_term(node.term)
-            if node.kind != "gate_node":
+            if node.kind not in ("gate_node", "data_splitter"):
                 key = (node.kind, *resolves[node.name][:1])
                 yield _DiffEntry(key, (node.term,), term, node)
                 continue
-            # A Gate is the same node with other triggers, signs and times.
-            found = [gated[name] for name in resolves[node.name] if name in gated]
+            # A Gate is the same node with other triggers, signs and times, and a splitter with
+            # other receivers.
+            found = [known[name] for name in resolves[node.name] if name in known]
             values = (word for each in found for word in each.value)
             spans = tuple(span for each in found for span in each.item.spans)
             key = (node.kind, str(term.arguments[0]))
