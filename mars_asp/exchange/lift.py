@@ -7,6 +7,7 @@ and the commands of all publishers to each subscriber, where the latest one wins
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
+from fractions import Fraction
 from itertools import count
 
 from mars_asp.diagnostic import Span
@@ -35,7 +36,13 @@ def lifted(configuration: Configuration) -> Configuration:
         arbiters,
         lambda inner: nodes.new("arbitration_node", inner.span),
     )
-    for change in (_copied, _arbitrated, _commanded):
+    offered = {
+        (module.name, service.port, service.hz)
+        for module in configuration.declared
+        for service in module.services
+    }
+    lines = list(_copied(lines, nodes, offered))
+    for change in (_arbitrated, _commanded):
         lines = list(change(lines, nodes))
     number = nodes.in_order(lines, configuration.relationships)
     return replace(
@@ -232,10 +239,15 @@ class _Nodes:
         return name not in self.taken and name.startswith(stem)
 
 
-def _copied(lines: Sequence[Relationship], nodes: _Nodes) -> Iterator[Relationship]:
+def _copied(
+    lines: Sequence[Relationship],
+    nodes: _Nodes,
+    offered: Set[tuple[str, str | None, Fraction | None]],
+) -> Iterator[Relationship]:
     """Yield the relationships, with a DataSplitter after each output that needs one.
 
-    An output needs one if it has several readers, or one reader at a lower rate.
+    An output needs one if it has several readers, or one reader at another rate than its own;
+    `offered` has the rates of the outputs of modules.
     """
     takers = Counter(
         (line.source, line.source_port) for line in lines if isinstance(line, Data | Lock)
@@ -244,7 +256,11 @@ def _copied(lines: Sequence[Relationship], nodes: _Nodes) -> Iterator[Relationsh
     for line in lines:
         if not isinstance(line, Data | Lock) or (
             takers[line.source, line.source_port] == 1
-            and (isinstance(line, Lock) or line.hz is None)
+            and (
+                isinstance(line, Lock)
+                or line.hz is None
+                or (line.source, line.source_port, line.hz) in offered
+            )
         ):
             yield line
             continue
