@@ -88,19 +88,13 @@ def known_of(finding: Consequence | Diagnostic, baseline: str) -> BaselineEntry:
         file = _relative(finding.span.path, baseline)
         return BaselineEntry(file, finding.kind or finding.code, finding.message, ())
     file = _relative(finding.spans[0].path, baseline)
+    # What a finding is about may be its file, of which the path depends on the working folder.
+    paths = {span.path for span in finding.spans}
     subject, *participants = (
-        _relative(name, baseline) if _is_file(name) else name
+        _relative(name, baseline) if name in paths else name
         for name in (finding.subject, *finding.participants)
     )
     return BaselineEntry(file, finding.kind, subject, tuple(participants))
-
-
-def _is_file(name: str) -> bool:
-    """Whether what a finding is about is a file, of which the path depends on the working folder.
-
-    The name of a module may be that of a file without a suffix.
-    """
-    return Path(name).suffix != "" and os.path.isfile(name)  # noqa: PTH113 -- never raises
 
 
 @cache

@@ -80,7 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _left_out(trees: Sequence[LaunchTree], arguments: argparse.Namespace) -> Iterator[Diagnostic]:
     """Yield the note that a configuration lacks what findings in launch files need."""
-    if trees:
+    if any(not tree.is_of_programs for tree in trees):
         message = "launch files have no place in a configuration"
         help_text = f"`{command('check', arguments)}` shows what is found in them"
         place = whole_file(arguments.files[0])

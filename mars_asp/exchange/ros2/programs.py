@@ -354,11 +354,7 @@ class Programs:
             return None
         try:
             return self.workspace.text(file), self.workspace.shown(file)
-        except MarsError as error:
-            found = error.diagnostics[0]
-            if found.code == "encoding":
-                message = "bytes that are not UTF-8, and no encoding declared"
-                self._python.broken[found.span.path, found.span.line, message] = None
+        except MarsError:
             return None
 
     # ---- What is where

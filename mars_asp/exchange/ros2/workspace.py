@@ -78,11 +78,13 @@ _NO_PROGRAMS = frozenset(
 _COPY = re.compile(r"(?i)copy|conflict|backup")
 #: Endings of files whose encoding neither compilers nor CMake ask for.
 _OF_BYTES = frozenset({*_SOURCES, ".cmake", ".txt"}) - {".py"}
-#: The encoding that a file in Python (PEP 263) or XML declares, if it is a usual one.
-_DECLARED = re.compile(
-    rb"(?:[^\n]*\n)?[ \t\f]*(?:#[^\n]*?coding[:=]\s*|<\?xml[^>]*?\sencoding\s*=\s*[\"'])"
-    rb"((?i:latin|iso|cp|windows|gb|big5|euc|shift|koi8)[\w.-]*)"
+#: The encoding that a file in Python (PEP 263) or XML declares in its first lines.
+_OF_PYTHON = re.compile(rb"(?:[ \t\f]*(?:#[^\n]*)?\n)??[ \t\f]*#[^\n]*?coding[:=][ \t]*([\w.-]+)")
+_OF_XML = re.compile(
+    rb"\s*<\?xml[^>]*?\sencoding\s*=\s*[\"']((?i:latin|iso-8859|windows-125|koi8)[\w.-]*)"
 )
+#: Codecs of texts whose time grows with the square of the length.
+_SLOW = frozenset({"idna", "punycode"})
 _BUILD_FILES = frozenset({"CMakeLists.txt", "setup.py", "setup.cfg", "pyproject.toml"})
 #: Programs whose names a build file computes.
 _COMPOSED = re.compile(
@@ -732,15 +734,19 @@ class Workspace:
 
 
 def _in_utf8(raw: bytes, suffix: str) -> bytes:
-    """Return the content of a file in UTF-8 if what builds or runs the file reads its encoding."""
-    declared = _DECLARED.match(raw)
-    if raw.isascii() or not (declared or suffix in _OF_BYTES):
+    """Return the content of a file in UTF-8 if what builds or runs the file reads its encoding.
+
+    Python imports files with comments in any encoding.
+    """
+    is_python = suffix == ".py"
+    if raw.isascii():
         return raw
-    try:
-        text = raw.decode(declared[1].decode()) if declared else decoded(raw)
-    except (LookupError, UnicodeDecodeError):
-        return raw
-    return text.encode()
+    declared = (_OF_PYTHON if is_python else _OF_XML).match(raw)
+    name = "" if declared is None else declared[1].decode()
+    with suppress(LookupError, UnicodeError):
+        if name and name.lower() not in _SLOW:
+            return raw.decode(name.removesuffix("-unix")).encode()
+    return decoded(raw).encode() if is_python or suffix in _OF_BYTES else raw
 
 
 def _pattern_of(line: str) -> re.Pattern[str]:

@@ -166,9 +166,7 @@ class TreeLines:
         found: set[Span] = set()
         for path, numbers in lines.items():
             own = f"{self._prefix}{other._relative(path)}"
-            blocks = SequenceMatcher(
-                None, other.stripped_lines(path), self.stripped_lines(own), autojunk=False
-            )
+            blocks = SequenceMatcher(None, other.stripped_lines(path), self.stripped_lines(own))
             for how, begin, end, first, last in blocks.get_opcodes():
                 if how == "replace" and any(begin < number <= end for number in numbers):
                     found.update(point(own, number + 1, 1) for number in range(first, last))
