@@ -414,7 +414,7 @@ def test_nothing_outside_of_the_workspace_is_read(tmp_path: Path) -> None:
 
 def test_broken_files_of_a_folder_are_noted(tmp_path: Path) -> None:
     (tmp_path / "a.launch.py").write_bytes(b"\xff\xfe\x00binary\x00")
-    (tmp_path / "b.launch.py").write_bytes("# caf\xe9\n".encode("latin-1"))
+    (tmp_path / "b.launch.xml").write_bytes("<!-- caf\xe9 --><launch/>\n".encode("latin-1"))
     (tmp_path / "c.launch.xml").write_text("<launch>", encoding="utf-8")
     for pipe in ("p.launch.py", "package.xml", "setup.py", "mars-catalogue.toml"):
         os.mkfifo(tmp_path / pipe)
