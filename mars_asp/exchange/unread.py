@@ -32,6 +32,8 @@ OF_PARAMETERS = frozenset(
         "parameter files with errors",
     }
 )
+#: Containers, of which the components are read.
+CONTAINERS = "containers, apart from their components,"
 #: Actions of launch files that functions or classes of other files make.
 IMPORTED = "actions made by imported functions"
 _KINDS = {

@@ -32,7 +32,7 @@ from mars_asp.exchange.ros2.actions import (
 )
 from mars_asp.exchange.ros2.commands import of_command
 from mars_asp.exchange.ros2.conditions import tests_of_text
-from mars_asp.exchange.unread import Unread
+from mars_asp.exchange.unread import CONTAINERS, Unread
 from mars_asp.exchange.yaml_document import Items, Node, Pairs, Scalar, read_yaml
 
 _DEEPEST = 60
@@ -162,7 +162,7 @@ def _actions(entities: Sequence[XmlElement]) -> Iterator[Action]:
             case "node_container" | "load_composable_node":
                 if entity.name == "node_container":
                     called = entity.attributes.get("name", "?")
-                    yield Unread("containers, apart from their components,", called, entity.span)
+                    yield Unread(CONTAINERS, called, entity.span)
                 inner = tuple(_actions(list(entity.named("composable_node"))))
                 yield together(inner, tests)
             case "group":
@@ -240,7 +240,7 @@ def _started_node(entity: XmlElement, tests: Tests) -> Iterator[Action]:
         load = " ".join(words).split()
         called = entity.attributes.get("name", "?")
         if len(load) < 2 or load[0] not in ("load", "standalone"):
-            yield Unread("containers, apart from their components,", called, entity.span)
+            yield Unread(CONTAINERS, called, entity.span)
             return
         # ROS 1 writes the class of a component after its package: `package/Class`.
         plugin, executable = True, text_of(load[1])

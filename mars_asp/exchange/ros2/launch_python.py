@@ -55,7 +55,7 @@ from mars_asp.exchange.ros2.python_values import (
     items_of,
     text_from,
 )
-from mars_asp.exchange.unread import IMPORTED, Unread
+from mars_asp.exchange.unread import CONTAINERS, IMPORTED, Unread
 from mars_asp.model.graph import OPEN_BRANCH, OPEN_CONDITION
 
 _NODES = {
@@ -331,7 +331,7 @@ class _LaunchReader(Evaluator):
         if call.name in _CONTAINERS:
             if call.name == "ComposableNodeContainer":
                 called = plain(text_from(call.get("name"))) or "?"
-                yield Unread("containers, apart from their components,", called, call.span)
+                yield Unread(CONTAINERS, called, call.span)
             components = call.get("composable_node_descriptions")
             yield from self.interpret(components, tests)
             return

@@ -54,7 +54,7 @@ from mars_asp.exchange.twist_mux.document import (
     read_parameters,
     read_parts,
 )
-from mars_asp.exchange.unread import BROKEN, MANIFESTS, OF_PARAMETERS, Unread, notes
+from mars_asp.exchange.unread import BROKEN, CONTAINERS, MANIFESTS, OF_PARAMETERS, Unread, notes
 from mars_asp.exchange.yaml_document import Items, Repeat, Scalar, read_yaml
 from mars_asp.exchange.yaml_document import Node as YamlNode
 from mars_asp.language import Parsed
@@ -85,8 +85,8 @@ _NOWHERE = Path("/dev/null/nowhere")
 _NAME = re.compile(r"[^\x00-\x1f\x7f]+")
 #: Packages whose programs start something in others, and as what they are noted.
 _HELPERS = {
-    "rclcpp_components": "containers, apart from their components,",
-    "nodelet": "containers, apart from their components,",
+    "rclcpp_components": CONTAINERS,
+    "nodelet": CONTAINERS,
     "controller_manager": "controller managers and spawners",
     "ros_gz_sim": "programs of the simulator that a bridge joins",
     "gazebo_ros": "programs of the simulator",
@@ -104,7 +104,7 @@ _HARMLESS = frozenset(
         SERVICES,
         # Controllers are nodes of their own, which spawners load.
         _CONTROLLER_MANAGERS,
-        "containers, apart from their components,",
+        CONTAINERS,
         "nodes that are made but not launched",
         "locks",
         "topics of locks",
