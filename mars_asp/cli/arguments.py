@@ -297,18 +297,17 @@ def ordered(words: Sequence[str]) -> list[str]:
         before = ["--help"]
     if ALIASES.get(rest[0], rest[0]) not in VERBS:
         is_option = f"--{rest[0]}" in (*takes, "--version")
-        longer = [verb for verb in VERBS if verb.startswith(rest[0]) and len(rest[0]) > 1]
-        near = parser.meant(rest[0]) or (
-            f"--{rest[0]}"
-            if is_option
-            else longer[0]
-            if len(longer) == 1
-            else nearest(rest[0], (*VERBS, *ALIASES), _ALIKE_VERB)
-        )
+        near = parser.meant(rest[0]) or (f"--{rest[0]}" if is_option else _near_verb(rest[0]))
         hint = f"did you mean `{near}`?" if near else f"one of {', '.join(VERBS)}"
         hint = help_texts()["advice"].get(rest[0], hint)
         parser.error(f"there is no command `{rest[0]}`: {hint}")
     return [rest[0], *before, *rest[1:]]
+
+
+def _near_verb(word: str) -> str | None:
+    """Return the only command that begins with a word, else one that is spelt like it, or None."""
+    longer = [verb for verb in VERBS if verb.startswith(word) and len(word) > 1]
+    return longer[0] if len(longer) == 1 else nearest(word, (*VERBS, *ALIASES), _ALIKE_VERB)
 
 
 def common_options(parser: argparse.ArgumentParser, formats: Sequence[str] = FORMATS) -> None:
