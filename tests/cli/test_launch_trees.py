@@ -324,6 +324,19 @@ def test_a_difference_of_workspaces_has_the_findings_of_check(
         assert f"{how} missing_file: the package `drive` has no" in capsys.readouterr().out
 
 
+def test_a_folder_whose_name_occurs_again_within_it_differs_by_its_edits_alone(
+    workspace: Path, capsys: Captured
+) -> None:
+    shutil.copytree(workspace / "src" / "drive", "drive/src/my_drive")
+    shutil.copytree("drive", "old")
+    sender = Path("drive/src/my_drive/drive/sender.py")
+    sender.write_text(sender.read_text().replace("cmd_vel", "other"))
+    run_here(["diff", "old", "drive", "--format", "json"])
+    document = json.loads(capsys.readouterr().out)
+    lines = [[each["line"] for each in document[key]] for key in ("removed", "added")]
+    assert lines == [[9], [9]]
+
+
 def test_a_comment_is_judged_where_every_launch_file_is_read(
     workspace: Path, capsys: Captured
 ) -> None:

@@ -70,8 +70,8 @@ class TreeLines:
         self._evidence, self._lines_of = evidence, lines_of
         facts = () if evidence is None else evidence.facts
         self._tree_facts = {
-            str(fact.atom): _TreeFact(owner, self._relative(text), words, fact.span)
-            for fact, owner, text, words in _without_numbers(facts)
+            str(fact.atom): _TreeFact(owner, text, words, fact.span)
+            for fact, owner, text, words in _without_numbers(facts, self._relative)
         }
         self._count = Counter(each[:2] for each in self._tree_facts.values())
         #: The lines of each file that are locations of facts, sorted.
@@ -81,7 +81,9 @@ class TreeLines:
         self._lines: dict[str, Sequence[str]] = {}
 
     def _relative(self, text: str) -> str:
-        return text.replace(self._prefix, "") if self._prefix else text
+        # An argument of an atom may be in quotation marks.
+        mark = '"' if text.startswith('"') else ""
+        return f"{mark}{text.removeprefix(mark).removeprefix(self._prefix)}"
 
     def stripped_lines(self, path: str) -> Sequence[str]:
         """Return the lines of a file without the white space around them."""
@@ -201,9 +203,12 @@ class TreeLines:
 
 
 def _without_numbers(
-    facts: Iterable[Fact],
+    facts: Iterable[Fact], relative: Callable[[str], str]
 ) -> Iterator[tuple[Fact, str, str, frozenset[str]]]:
-    """Yield facts with their nodes, their texts without identifiers, and the names in them."""
+    """Yield facts with their nodes, their texts without identifiers, and the names in them.
+
+    `relative` makes paths relative to the folder of the robot.
+    """
     owners: dict[object, str] = {}
     for fact in facts:
         name, (first, *rest) = fact.atom.name, fact.atom.arguments
@@ -216,4 +221,4 @@ def _without_numbers(
             owner = owners.get(first, "") if isinstance(first, int) else ""
             rest = rest if owner else [first, *rest]
             words = frozenset(word for word in rest if isinstance(word, str))
-            yield fact, owner, f"{name}({','.join(map(str, rest))})", words
+            yield fact, owner, f"{name}({','.join(relative(str(word)) for word in rest)})", words
