@@ -9,7 +9,7 @@ from typing import Any
 from mars_asp.cli.analyse import consequence_json
 from mars_asp.cli.diagnostic_text import colours, paint
 from mars_asp.cli.encode import print_result
-from mars_asp.cli.inputs import check_inputs, read_project, report_project, rulebook_for
+from mars_asp.cli.inputs import beside, check_inputs, read_project, report_project, rulebook_for
 from mars_asp.cli.lines import line_at, lines_of, located_line_json
 from mars_asp.cli.wrapping import columns, wrapped
 from mars_asp.output import counted, visible
@@ -30,9 +30,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the changes; return 1 if an error appeared."""
-    check_inputs(arguments.old, arguments.new)
-    old = read_project(arguments, arguments.old)
-    new = read_project(arguments, arguments.new, quietly=True)
+    paths = arguments.old, arguments.new
+    check_inputs(*paths)
+    old = read_project(beside(arguments, *paths), arguments.old)
+    new = read_project(beside(arguments, *paths[::-1]), arguments.new, quietly=True)
     # Both may read the same sources.
     others = tuple(each for each in new.diagnostics if each not in old.diagnostics)
     report_project(replace(new, diagnostics=others), arguments, [arguments.new])

@@ -102,6 +102,16 @@ def check_inputs(*paths: str) -> None:
         raise refusal("usage", message, STANDARD_INPUT, help_text)
 
 
+def beside(arguments: argparse.Namespace, path: str, other: str) -> argparse.Namespace:
+    """Return the arguments to read one of two robots with: of these, `--from` is the foreign one's.
+
+    A `.mars` file beside it needs no format.
+    """
+    if Path(path).suffix != ".mars" or Path(other).suffix == ".mars":
+        return arguments
+    return argparse.Namespace(**vars(arguments) | {"from_format": None})
+
+
 def read_specification(arguments: argparse.Namespace, path: str) -> Project:
     """Read a specification with its own sources; a foreign file is read as a specification.
 
@@ -345,11 +355,13 @@ def only_robot(arguments: argparse.Namespace, path: str) -> str:
     if others:
         number = len(found.paths)
         message = f"the folder has {number} robots"
-        named = ", ".join(f"`{each}`" for each in found.paths[:_MOST_NAMED])
-        rest = f" and {number - _MOST_NAMED} more" if number > _MOST_NAMED else ""
+        # The folder itself may be one of them, and its name does not choose that one.
+        inner = [each for each in found.paths if each != Path(path)]
+        named = ", ".join(f"`{each}`" for each in inner[:_MOST_NAMED])
+        rest = f" and {len(inner) - _MOST_NAMED} more" if len(inner) > _MOST_NAMED else ""
         way = visible(shlex.join(["mars-asp", "check", path]))
         help_text = f"name one of them: {named}{rest}; `{way}` judges all"
-        if Path(path) in found.paths:
+        if len(inner) < number:
             help_text += f"; `--from ros2` takes `{path}` for a workspace alone"
         raise refusal("usage", message, path, help_text)
     return str(first)

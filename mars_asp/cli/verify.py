@@ -16,6 +16,7 @@ from mars_asp.cli.diagnostic_text import report, report_unrealisable
 from mars_asp.cli.encode import print_result
 from mars_asp.cli.inputs import (
     analyse_project,
+    beside,
     check_inputs,
     read_project,
     read_specification,
@@ -94,10 +95,11 @@ def run(arguments: argparse.Namespace) -> int:
         # The wiring of foreign files is judged against the configuration that it realises.
         specification = lifted(project.configuration)
     else:
-        check_inputs(arguments.specification, arguments.file)
-        read = read_specification(arguments, arguments.specification)
+        paths = arguments.specification, arguments.file
+        check_inputs(*paths)
+        read = read_specification(beside(arguments, *paths), arguments.specification)
         specification, modules = read.configuration, read.modules
-        project = read_project(arguments, arguments.file)
+        project = read_project(beside(arguments, *paths[::-1]), arguments.file)
         # SPEC mostly repeats blocks of CONFIG, which also describes the other modules.
         known = {(each.code, each.message) for each in project.diagnostics}
         own = (each for each in read.diagnostics if each.code != "annotations-missing")

@@ -74,7 +74,7 @@ def test_a_workspace_of_ros_and_a_dataflow_are_robots_of_their_own(
     capsys.readouterr()
     assert run_here(["explain", str(tmp_path)]) == 2
     output = " ".join(capsys.readouterr().err.split())
-    assert f"name one of them: `{tmp_path}`, `{tmp_path}/near.yml`" in output
+    assert f"name one of them: `{tmp_path}/near.yml`; `mars-asp check" in output
 
 
 @pytest.mark.parametrize(

@@ -124,7 +124,10 @@ def _unknown(
     known |= {Signature(plain(h.name), h.arity) for rule in rulebook.rules for h in rule.heads}
     rules = (piece.text for piece in written if piece.sort != "comment")
     here = {word for text in rules for word in _WORD.findall(text)}
-    names = here | {each.name for each in known}
+    # What is not documented is internal, and as a suggestion would only mislead.
+    own = rulebook.rules[len(rulebook.rules) - rulebook.pack_rules :]
+    named = {*rulebook.declarations, *(head for rule in own for head in rule.heads)}
+    names = here | {plain(each.name) for each in named}
     makers = [rule for rule in rulebook.rules if finding in rule.heads]
     is_open = finding.name in here or any(finding not in rule.firsts for rule in makers)
     kinds = {kind for rule in makers for kind in rule.firsts.get(finding, ())}

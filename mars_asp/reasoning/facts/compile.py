@@ -390,7 +390,8 @@ class Compiler:
         declared = {name.text for name in self.configuration.modules}
         ends = {end for r in self.configuration.relationships for end in ends_of(r)}
         # `DataSplitter2` is not `DataSplitter1` misspelt.
-        pools = [(self._not_nodes(ends - declared), sorted(declared | set(self.known)))]
+        strange = self._not_nodes(ends - declared - set(self.known))
+        pools = [(strange, sorted(declared | set(self.known)))]
         if self.known:
             unknown = self._not_nodes(declared - set(self.known))
             pools.append((unknown, sorted(set(self.known) - declared)))
