@@ -56,7 +56,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.origin is None:
         print("\n".join(_FORMATS))
         return 0
-    if arguments.origin not in _FORMATS:
+    is_named = arguments.origin in _FORMATS
+    if not is_named:
         first = arguments.origin
         if arguments.files and arguments.files[-1] in _FORMATS:
             return misuse("import", "FORMAT comes before the files")
@@ -66,12 +67,19 @@ def run(arguments: argparse.Namespace) -> int:
         is_folder = Path(first).is_dir()
         arguments.origin = "ros2" if is_folder else recognised(read_text(Path(first)))
         if arguments.origin == "mars":
-            message = f"the format of `{visible(first)}` is not known by its content"
-            return misuse("import", f"{message}: mars-asp import FORMAT FILE")
+            return _unknown(first)
     if not arguments.files:
         return misuse("import", f"name the files: mars-asp import {arguments.origin} FILE")
     check_inputs(*arguments.files)
-    found, printed = (_urdf if arguments.origin == "urdf" else _foreign)(arguments)
+    if arguments.origin == "urdf" and len(arguments.files) == 1:
+        found, printed = _urdf(arguments)
+    else:
+        files = _files(arguments, is_named)
+        unknown = next((each.path for each in files if each.format == "mars"), None)
+        if unknown is not None:
+            return _unknown(unknown)
+        found = read_foreign(files, arguments.launch)
+        printed = foreign_text(found.configuration, contract=arguments.contract)
     check_one_tree(found.trees, found.configuration)
     report((*found.warnings, *_left_out(found.trees, arguments)), arguments)
     write_result(arguments.output, printed)
@@ -96,28 +104,31 @@ def _urdf(arguments: argparse.Namespace) -> tuple[Parsed, str]:
     from mars_asp.exchange.urdf import MOST_BYTES as MOST_OF_URDF
     from mars_asp.exchange.urdf import import_urdfs
 
-    texts = [_read_text(name, MOST_OF_URDF) for name in arguments.files[:2]]
-    found = import_urdfs(texts)
+    found = import_urdfs([_read_text(arguments.files[0], MOST_OF_URDF)])
     return found, print_configuration(found.configuration)
 
 
-def _foreign(arguments: argparse.Namespace) -> tuple[Parsed, str]:
-    """Return the parsed foreign files, and their `.mars` text.
+def _files(arguments: argparse.Namespace, is_named: bool) -> Sequence[ForeignFile]:
+    """Return the files, in the format of the command if `is_named`, else in that of their content.
 
     Raises:
-        MarsError: the files have errors.
+        MarsError: a file cannot be read.
     """
     files = []
     for name in arguments.files:
-        if arguments.origin == "ros2" and Path(name).is_dir():
+        if (arguments.origin == "ros2" or not is_named) and Path(name).is_dir():
             files.append(ForeignFile(name, "", "ros2"))
             continue
         text, shown = _read_text(name)
         text = plain_lines(text)
         remember(shown, text)
-        files.append(ForeignFile(shown, text, arguments.origin))
-    found = read_foreign(files, arguments.launch)
-    return found, foreign_text(found.configuration, contract=arguments.contract)
+        files.append(ForeignFile(shown, text, arguments.origin if is_named else recognised(text)))
+    return files
+
+
+def _unknown(path: str) -> int:
+    message = f"the format of `{visible(path)}` is not known by its content"
+    return misuse("import", f"{message}: mars-asp import FORMAT FILE")
 
 
 def foreign_text(configuration: Configuration, *, contract: bool = False) -> str:

@@ -67,7 +67,9 @@ def read_foreign(
     if problems:
         raise MarsError(problems)
     # A robot of nodes and links is checked as one of nodes: URDF has no topics.
-    origin = next((each for each in formats if each != "urdf"), files[0].format)
+    # What another format reads has no say, wherever its file is named.
+    origins = (each for each in formats if each != "urdf" and _with(each, formats) == each)
+    origin = next(origins, files[0].format)
     parsed = united(found)
     configuration = replace(parsed.configuration, origin=origin)
     blocks = tuple(map(print_module, configuration.declared))

@@ -13,8 +13,11 @@ def united(parts: Sequence[Parsed]) -> Parsed:
         return parts[0]
     first, *others = (part.configuration for part in parts)
     every = (first, *others)
+    ranked = next((each for each in every if each.declares_architecture), first)
     configuration = replace(
         first,
+        architecture=ranked.architecture,
+        declares_architecture=ranked.declares_architecture,
         modules=_each_once(name for each in every for name in each.modules),
         relationships=tuple(line for each in every for line in each.relationships),
         declared=_merged(module for each in every for module in each.declared),

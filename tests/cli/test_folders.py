@@ -220,8 +220,8 @@ def test_a_workspace_beside_a_configuration_can_be_named(here: Path, capsys: Cap
     assert run_here(["facts", "w", "--from", "ros2"]) == 0
     capsys.readouterr()
     # Beside a `.mars` file, `--from` is the format of the other one, in either order.
-    for words in (["diff", "w", "w/r.mars"], ["diff", "w/r.mars", "w"], ["verify", "w/r.mars", "w"]):
-        assert run_here([*words, "--from", "ros2"]) < 2
+    for words in ("diff w w/r.mars", "diff w/r.mars w", "verify w/r.mars w"):
+        assert run_here([*words.split(), "--from", "ros2"]) < 2
         assert "another format" not in capsys.readouterr().err
     assert run_here(["diff", "w/r.mars", "w/r.mars", "--from", "ros2"]) == 2
     assert run_here(["facts", "w/r.mars", "--from", "dora"]) == 2

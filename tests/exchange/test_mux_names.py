@@ -1,9 +1,11 @@
 """The parameters of a mux in ROS 2 are those that a file has for its name."""
 
+from itertools import permutations
 from pathlib import Path
 
 import pytest
 
+from mars_asp.cli import run_here
 from mars_asp.exchange.ros2 import import_ros2
 from mars_asp.language.print import print_relationship
 from tests.support.packages import write_package
@@ -58,3 +60,42 @@ def test_a_mux_takes_its_locks_from_a_file_of_their_own(
         "cmd_vel_out is_locked_by pause 7",
     ]
     assert not [each for each in found.warnings if each.kind == "not_read"]
+
+
+@pytest.mark.parametrize(
+    ("key", "path"),
+    [("twist_mux", "trial.yaml"), ("/**", "trial.yaml"), ("other_mux", "src/mine/config/mux.yaml")],
+)
+def test_a_file_of_the_user_has_the_place_of_that_of_the_launch_file(
+    key: str, path: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    given = '<param from="$(find-pkg-share mine)/config/mux.yaml"/>'
+    renaming = '<remap from="cmd_vel_out" to="wheels"/>'
+    files = {
+        "launch/mux.launch.xml": LAUNCH.format("twist_mux", given + renaming),
+        "config/mux.yaml": PARAMETERS.format("twist_mux"),
+    }
+    write_package(files, Path("src/mine"))
+    launch = "src/mine/launch/mux.launch.xml"
+    trial = PARAMETERS.format(key).replace("10", "20")
+    found = import_ros2([(Path(launch).read_text(), launch), (trial, "trial.yaml")])
+    lines = found.configuration.relationships
+    (driving,) = [each for each in lines if print_relationship(each).startswith("wheels")]
+    assert driving.span.path == path
+    alone = [each.message for each in found.warnings if "starts this mux" in each.message]
+    assert len(alone) == len(lines) - 1 == int(key == "other_mux")
+
+
+def test_the_order_of_files_changes_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("m.launch.xml").write_text(LAUNCH.format("twist_mux", ""))
+    Path("mux.yaml").write_text(PARAMETERS.format("twist_mux"))
+    Path("arm.urdf").write_text('<robot name="r"><link name="base"/></robot>')
+    printed = set()
+    for files in permutations(("m.launch.xml", "mux.yaml", "arm.urdf")):
+        assert run_here(["import", *files]) == 0
+        printed.add("".join(sorted(capsys.readouterr().out.replace(",", "").split())))
+    assert len(printed) == 1

@@ -169,7 +169,13 @@ def import_ros2(
     known = {mux.span for mux in graph.muxes}
     given = (mux for document in muxes for mux in document.muxes)
     # Muxes that no node of the graph is.
-    loose = (unbound(mux) for mux in given if mux.span not in known)
+    loose = [unbound(mux) for mux in given if mux.span not in known]
+    for mux in loose:
+        message = f"no launch file starts this mux, so it counts as a node of its own, `{mux.name}`"
+        help_text = "name the launch file that starts it, or correct the name of the node"
+        problems.append(
+            Diagnostic("launch", "note", message, mux.span, help=help_text, kind="launch")
+        )
     configuration, left_out = configuration_of(replace(graph, muxes=(*graph.muxes, *loose)))
     remarks = (*dict.fromkeys(problems), *notes(_once((*unread, *left_out))))
     return Parsed(configuration, remarks, trees=tuple(trees))
@@ -995,8 +1001,12 @@ class _WorkspaceRobot:
         return None
 
     def _parameters_of_mux(self, started: Started, full: str) -> Iterator[Mux]:
-        """Yield the muxes in a node's parameters: launch file, else files, else the user's."""
+        """Yield the muxes in a node's parameters: launch file, else files, else the user's.
+
+        A mux of the user with the name of the node has the place of the files.
+        """
         found: list[Mux] = []
+        users = [mux for document in self.muxes for mux in document.muxes]
         values = self._node_parameters(started, full)
         sorts = {key: each for key, each in values.items() if key.partition(".")[0] in SORTS}
         # A file that alone describes the mux is read as written, with what ROS refuses in it.
@@ -1004,6 +1014,7 @@ class _WorkspaceRobot:
         if len(files_of_sorts) > 1 or sorts.keys() & started.parameters.keys():
             given = document_of((each for each in values.values() if each.is_known), started.span)
             found += self._muxes(lambda: read_parameters(given, full))
+        found = found or [each for each in users if each.name and is_for(each.name, full)]
         # cmd_vel_mux names its file in a parameter.
         named = started.parameters.get("yaml_cfg_file")
         of_its_own = named and self.workspace.find(named.text, self.workspace.root)
@@ -1016,7 +1027,7 @@ class _WorkspaceRobot:
             # A node of ROS 2 takes the parameters for its name; a launch file may take others.
             takes_all = started.is_rewritten or PARAMETERS not in text
             found += (each for each in muxes if takes_all or is_for(each.name, full))
-        yield from found or (mux for document in self.muxes for mux in document.muxes)
+        yield from found or users
 
     def _muxes(self, read: Callable[[], MuxDocument]) -> Sequence[Mux]:
         """Return the muxes that `read` reads; note its errors and skipped contents."""
