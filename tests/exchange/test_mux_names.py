@@ -1,5 +1,6 @@
 """The parameters of a mux in ROS 2 are those that a file has for its name."""
 
+import json
 from itertools import permutations
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import pytest
 from mars_asp.cli import run_here
 from mars_asp.exchange.ros2 import import_ros2
 from mars_asp.language.print import print_relationship
+from tests.support.fixtures import Captured, Patch
 from tests.support.packages import write_package
 
 LAUNCH = '<launch><node pkg="twist_mux" exec="twist_mux" name="{}">{}</node></launch>'
@@ -67,7 +69,7 @@ def test_a_mux_takes_its_locks_from_a_file_of_their_own(
     [("twist_mux", "trial.yaml"), ("/**", "trial.yaml"), ("other_mux", "src/mine/config/mux.yaml")],
 )
 def test_a_file_of_the_user_has_the_place_of_that_of_the_launch_file(
-    key: str, path: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    key: str, path: str, tmp_path: Path, monkeypatch: Patch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     given = '<param from="$(find-pkg-share mine)/config/mux.yaml"/>'
@@ -88,7 +90,7 @@ def test_a_file_of_the_user_has_the_place_of_that_of_the_launch_file(
 
 
 def test_the_order_of_files_changes_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: Patch, capsys: Captured
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("m.launch.xml").write_text(LAUNCH.format("twist_mux", ""))
@@ -99,3 +101,39 @@ def test_the_order_of_files_changes_nothing(
         assert run_here(["import", *files]) == 0
         printed.add("".join(sorted(capsys.readouterr().out.replace(",", "").split())))
     assert len(printed) == 1
+
+
+STOP = """class Stop(Node):
+  def __init__(self):
+    self.create_publisher({}, '{}', 1)
+def main():
+  Stop()
+"""
+
+
+@pytest.mark.parametrize(
+    ("lock", "sent", "type", "finding"),
+    [
+        ("estop", "e_stop", "Bool", "loose_end"),
+        ("safety/stop", "stop", "Bool", "loose_end"),
+        ("e_stop", "e_stop", "Bool", None),
+        ("pause", "e_stop", "Bool", None),
+        ("e_stop", "e_stop", "Empty", "type_mismatch"),
+    ],
+)
+def test_a_mux_subscribes_to_the_topics_of_its_locks(
+    lock: str, sent: str, type: str, finding: str | None, tmp_path: Path, capsys: Captured
+) -> None:
+    locks = f"    locks:\n      hold: {{topic: {lock}, timeout: 0.0, priority: 7}}\n"
+    given = '<param from="$(find-pkg-share mine)/config/mux.yaml"/>'
+    node = '<node pkg="mine" exec="stop" name="stop"/></launch>'
+    files = {
+        "setup.py": "setup(entry_points={'console_scripts': ['stop = mine.stop:main']})\n",
+        "mine/stop.py": STOP.format(type, sent),
+        "launch/mux.launch.xml": LAUNCH.format("twist_mux", given).replace("</launch>", node),
+        "config/mux.yaml": PARAMETERS.format("twist_mux") + locks,
+    }
+    write_package(files, tmp_path)
+    assert run_here(["check", str(tmp_path), "--format", "json"]) == 0
+    found = {each["kind"] for each in json.loads(capsys.readouterr().out)["findings"]}
+    assert found - {"unheard_input"} == {finding} - {None}

@@ -10,7 +10,7 @@ from mars_asp.model.declarations import FOREVER
 from mars_asp.model.graph import Endpoint, GivenFile, GraphNode, LaunchTree, Mux, Relay
 from mars_asp.model.ranges import MOST
 from mars_asp.output import encodable
-from mars_asp.reasoning.facts.topic_names import are_alike, is_misspelt
+from mars_asp.reasoning.facts.topic_names import are_alike, is_in_namespace, is_misspelt
 
 #: By whether a condition has to hold.
 _WANTED = ("unless", "if")
@@ -40,6 +40,8 @@ _ABSENT = {
     "parameter": "sets_in_vain",
     "programs": "hides_programs",
 }
+#: The type of the messages at a lock.
+_TRUTH = "std_msgs/msg/Bool"
 _TRUTHS = {"true": "true", "1": "true", "false": "false", "0": "false"}
 
 
@@ -51,15 +53,17 @@ def launch_facts(trees: Iterable[LaunchTree]) -> tuple[Fact, ...]:
     numbers = count(1)
     trees = tuple(trees)
     found = chain.from_iterable(_TreeFacts(tree, numbers).of_tree() for tree in trees)
-    return (*found, *_similar_names([node for tree in trees for node in tree.nodes]))
+    return (*found, *_similar_names(trees))
 
 
-def _similar_names(nodes: Sequence[GraphNode]) -> Iterator[Fact]:
+def _similar_names(trees: Sequence[LaunchTree]) -> Iterator[Fact]:
     """Yield each subscribed topic without a publisher, with the topics and nodes of similar names.
 
     Only topics without a subscriber are compared, and nodes whose program could not be read wholly.
     """
+    nodes = [node for tree in trees for node in tree.nodes]
     heard = {end.topic: end.span for node in nodes for end in node.subscribed}
+    heard |= {lock.topic: lock.span for tree in trees for mux in tree.muxes for lock in mux.locks}
     sent = {end.topic for node in nodes for end in node.published}
     free = sorted(sent - heard.keys())
     unread = sorted({node.name for node in nodes if node.unread})
@@ -68,6 +72,8 @@ def _similar_names(nodes: Sequence[GraphNode]) -> Iterator[Fact]:
             for other in free:
                 if are_alike(topic, other):
                     yield _fact_at(span, "like_named", topic, other)
+                if is_in_namespace(topic, other):
+                    yield _fact_at(span, "in_namespace", topic, other)
                 if is_misspelt(topic, other):
                     yield _fact_at(span, "misspelt_topic", topic, other)
             for name in unread:
@@ -232,6 +238,8 @@ class _TreeFacts:
                     yield _fact_at(each.span, "named_for", first.atom.arguments[0], Atom(kind))
             if each.hold_ms in {FOREVER, 0}:
                 yield _fact_at(each.span, "holds_forever", first.atom.arguments[0])
+        for lock in mux.locks:
+            yield from self.of_end("hears_on", number, Endpoint(lock.topic, _TRUTH, lock.span))
 
     def of_relay(self, relay: Relay) -> Iterator[Fact]:
         """Yield the facts of a relay: its start, and the topics that it connects."""
