@@ -275,6 +275,10 @@ def generate_launch_description():
         assert [name for name, _, _ in found] == lacking
 
 
+LOOP = "foreach({})\n add_executable({} src/a.cpp)\nendforeach()"
+CHANGED = "set(ALL a b)\nlist(TRANSFORM ALL APPEND rip)\n"
+
+
 @pytest.mark.parametrize(
     ("file", "build", "is_there"),
     [
@@ -284,6 +288,14 @@ def generate_launch_description():
         ("arm/src/grip.cpp", "add_executable(grip src/grip.cpp)", True),
         ("arm/src/grip.cpp", "project(gr)\nadd_executable(${PROJECT_NAME}ip src/grip.cpp)", True),
         ("arm/src/grip.cpp", "foreach(name ${NAMES})", True),
+        ("arm/src/grip.cpp", LOOP.format("name IN ITEMS a b", "${name}"), False),
+        ("arm/src/grip.cpp", LOOP.format("name IN ITEMS g h", "${name}rip"), True),
+        ("arm/src/grip.cpp", "set(ALL g h)\n" + LOOP.format("x ${ALL}", "${x}rip"), True),
+        ("arm/src/grip.cpp", "set(ALL a b)\n" + LOOP.format("x IN LISTS ALL", "${x}rip"), False),
+        ("arm/src/grip.cpp", CHANGED + LOOP.format("x ${ALL}", "${x}"), True),
+        ("arm/src/grip.cpp", CHANGED + LOOP.format("x IN LISTS ALL", "${x}"), True),
+        ("arm/src/grip.cpp", LOOP.format("x a b", "${x}${SUFFIX}"), True),
+        ("arm/src/grip.cpp", "foreach(x a b)\n add_node(${x})\nendforeach()", True),
         ("arm/src/grip.cpp", "add_executable(arm_grip src/grip.cpp)", False),
         ("arm/src/grip.cpp", "# add_executable(grip src/a.cpp)", False),
         ("arm/src/grip.cpp", "set(NODES grip)\nadd_nodes(${NODES})", True),

@@ -46,6 +46,15 @@ _WITHOUT_PROGRAM = (
     "rosidl_",
     "target_",
 )
+#: Commands that change variables in ways that are not followed.
+_CHANGING = frozenset({"get_filename_component", "list", "math", "string"})
+#: Commands that name programs, or repeat those that do.
+_NAMING = _EXECUTABLES | {
+    "catkin_install_python",
+    "foreach",
+    "rclcpp_components_register_node",
+    "set_target_properties",
+}
 #: Words before the name of a program.
 _PROGRAM_KEYS = frozenset({"EXECUTABLE", "OUTPUT_NAME", "RENAME"})
 _FILE_WORD = re.compile(r"[\w.+-]+")
@@ -81,7 +90,7 @@ class Targets:
 
     `programs` are files that are installed as they are, `started` the components that programs
     start; `installed` are the shared files, and `is_whole` is false if unread commands may install
-    more.
+    more. `has_all_names` is false if the name of a program depends on what was not read.
     """
 
     sources: dict[str, list[str]] = field(default_factory=dict)
@@ -92,6 +101,7 @@ class Targets:
     programs: list[str] = field(default_factory=list)
     installed: list[Installed] = field(default_factory=list)
     is_whole: bool = True
+    has_all_names: bool = True
 
     def of(self, target: str) -> list[str]:
         """Return the sources of a target and, transitively, of the targets that it links."""
@@ -156,6 +166,8 @@ class _CMakeReader:
         self.macros: dict[str, tuple[Sequence[str], Sequence[_Command]]] = {}
         self.automatic: list[str] = []
         self.read: dict[str, Sequence[_Command]] = {}
+        #: The variables whose values are not known in full.
+        self.changed = set[str]()
         self.depth = 0
         self.left = _MOST_COMMANDS
 
@@ -174,6 +186,7 @@ class _CMakeReader:
             at += 1
             self.left -= 1
             given = _expanded(words, values)
+            self.note_names(name, words, values)
             if name == "install" and given[:1] in (["FILES"], ["DIRECTORY"]):
                 named = {match[1] for word in words if (match := _VARIABLE.fullmatch(word))}
                 self.targets.is_whole &= named <= values.keys()
@@ -206,10 +219,27 @@ class _CMakeReader:
                     self.take_command(name, given, folder, values)
         self.depth -= 1
 
+    def note_names(self, name: str, words: Sequence[str], values: _Values) -> None:
+        """Note whether a command names programs by variables that are not known."""
+        used = {match[1] for word in words for match in _VARIABLE.finditer(word)}
+        if name == "foreach":
+            used |= {*words[1:]} & self.changed
+        is_followed = name == "list" and words[:1] == ["APPEND"]
+        if name in _CHANGING and not is_followed:
+            self.changed.update(words)
+        elif name == "set" and words and (used & self.changed or not used <= values.keys()):
+            self.changed.add(words[0])
+        elif name in _NAMING or (name == "install" and words[:1] == ["PROGRAMS"]):
+            is_known = used <= values.keys() and not used & self.changed
+            self.targets.has_all_names &= is_known and not (used and "RENAME" in words)
+
     def follow_loop(
         self, given: Sequence[str], body: Sequence[_Command], folder: str, values: _Values
     ) -> None:
         """Execute the body of a `foreach` for each of its items, which are in `given`."""
+        read = (*_NAMING, *_WITHOUT_PROGRAMS, *self.macros, "set", "list")
+        names = {name for name, _ in body} - {*read}
+        self.targets.has_all_names &= all(name.startswith(_WITHOUT_PROGRAM) for name in names)
         variable, *items = given or [""]
         if items[:1] == ["IN"]:
             named = {word for word in items if word in values}

@@ -86,11 +86,8 @@ _OF_XML = re.compile(
 #: Codecs of texts whose time grows with the square of the length.
 _SLOW = frozenset({"idna", "punycode"})
 _BUILD_FILES = frozenset({"CMakeLists.txt", "setup.py", "setup.cfg", "pyproject.toml"})
-#: Programs whose names a build file computes.
-_COMPOSED = re.compile(
-    r"(?i)add_executable\s*\(\s*[^)\s]*\$\{|add_example|add_demo|install\s*\(\s*PROGRAMS\s+\$\{"
-    r"|\bEXECUTABLE\s+[^)\s]*\$\{|foreach\s*\(|catkin_install_python\s*\([^)]*\$\{"
-)
+#: Commands of others that compose the names of programs.
+_COMPOSED = re.compile(r"(?i)add_example|add_demo|\bEXECUTABLE\s+[^)\s]*\$\{")
 #: An entry of console scripts that puts together the name of its program.
 _COMPOSED_ENTRY = r"[fF][\"']\s*\{|[\"']\s*=\s*\w|%s|\.format\("
 #: The setting of where the scripts of a package in Python are installed.
@@ -646,8 +643,11 @@ class Workspace:
         if _as_program(name) in contents or f"{name}.in" in contents or _mentions(python, name):
             return True
         # A source is built only where the build file names it, but names may be composed.
-        is_built = _COMPOSED.search(build) if is_of_cmake else f"{name} (source)" in contents
-        return bool(is_built)
+        if not is_of_cmake:
+            return f"{name} (source)" in contents
+        targets = self.targets(package)
+        is_listed = targets.has_all_names and _COMPOSED.search(build) is None
+        return name in targets.executables or not is_listed
 
     def _installed_sources(self, package: Package, path: str) -> Iterator[Path]:
         """Yield the source files that may be installed as `path` in the shared folder."""
