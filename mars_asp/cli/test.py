@@ -18,11 +18,11 @@ from mars_asp.cli.progress import detail
 from mars_asp.cli.settings import check_settings, packs_for
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.diagnostic import Diagnostic, MarsError, refusal
-from mars_asp.language.parse import MOST_BYTES, decode, unreadable
+from mars_asp.language.parse import MOST_BYTES, decode, read_text, unreadable
 from mars_asp.output import visible
 from mars_asp.reading import overlay, overlay_bytes
 from mars_asp.reasoning.cases import FoundCase, cases_of, run_case
-from mars_asp.reasoning.cases.configurations import SUFFIX, snapshot
+from mars_asp.reasoning.cases.configurations import SNAPSHOT, SUFFIX, snapshot
 from mars_asp.reasoning.packs import with_companions
 from mars_asp.reasoning.rules import STAGES, load_rulebook
 
@@ -131,9 +131,17 @@ def run_once(arguments: argparse.Namespace) -> int:
     arguments.mutate = arguments.mutate and all_pass
     result, lines, status = _measured(books, arguments)
     print_outcomes(outcomes, arguments, result, lines, updated)
+    kept = [str(each.path) for each in outcomes if not each.passed and _has_snapshot(each.path)]
+    if arguments.update and kept:
+        way = visible(shlex.join(["mars-asp", "test", "--snapshot", *kept]))
+        print(f"mars-asp test: to replace all lines of a snapshot: {way}", file=sys.stderr)
     if problems:
         return 2
     return max(int(not all_pass or not outcomes), status)
+
+
+def _has_snapshot(path: Path) -> bool:
+    return path.suffix == SUFFIX and SNAPSHOT in read_text(path)
 
 
 def _advice(path: str) -> str | None:
@@ -166,7 +174,10 @@ def _snapshot(found: Mapping[FoundCase, tuple[Path, ...]], arguments: argparse.N
     if others or not robots:
         place = str(others[0]) if others else arguments.paths[0]
         advice = "name `.mars` files; facts are updated by --update"
-        raise refusal("case", "a snapshot is of a robot", place, advice)
+        message = "a snapshot is of a robot"
+        if Path(place).is_dir():
+            message = "no robot in the folder has a snapshot yet, nor another expectation"
+        raise refusal("case", message, place, advice)
     written = []
     for each in robots:
         text = snapshot(each.path, load_rulebook(found[each], STAGES, trusted=arguments.trust))

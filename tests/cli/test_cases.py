@@ -263,6 +263,11 @@ def test_a_snapshot_of_a_robot_fails_when_its_order_of_priorities_changes(
         "0 passed, 1 failed",
     ]
     assert run_here(["test", "--snapshot", "facts.lp"]) == 2
+    # An update leaves the line of a finding that is gone.
+    robot.write_text(written.replace("Drive, Avoid, Idle", "Drive, Avoid"))
+    capsys.readouterr()
+    assert run_here(["test", "--update", "robot.mars"]) == 1
+    assert "all lines of a snapshot: mars-asp test --snapshot robot.mars" in capsys.readouterr().err
 
 
 PLUGIN = ["-q", "-p", "no:cacheprovider", "-p", "no:xdist"]
@@ -351,3 +356,8 @@ def test_a_snapshot_of_a_folder_takes_its_robots(
     assert run_here(["test", "wheel-slip", "--snapshot"]) == 0
     assert capsys.readouterr().out == "wrote wheel-slip/cases/robot.mars\n"
     assert run_here(["test", "wheel-slip/cases/wheel-slip.lp", "--snapshot"]) == 2
+    Path("new").mkdir()
+    Path("new/robot.mars").write_text(ROBOT)
+    capsys.readouterr()
+    assert run_here(["test", "new", "--snapshot"]) == 2
+    assert "no robot in the folder has a snapshot yet" in capsys.readouterr().err
