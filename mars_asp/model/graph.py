@@ -16,7 +16,8 @@ class Endpoint:
     `span` is the place that an owner would change; `hz` is how often it is published, if known;
     `optional` is whether a subscribing node works as well without it, `measured` whether it reports
     a motion and commands none, regardless of its type, `last` whether it is published only as the
-    program ends.
+    program ends. `driver` is a package that usually publishes a topic of the name, if the robot
+    starts none of its programs.
     """
 
     topic: str
@@ -26,6 +27,7 @@ class Endpoint:
     optional: bool = False
     measured: bool = False
     last: bool = False
+    driver: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

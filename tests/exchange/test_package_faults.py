@@ -785,7 +785,7 @@ def test_a_topic_of_a_known_node_that_nothing_starts_is_the_border_of_the_robot(
     written = {"setup.py": setup, "mine/watch.py": source, "x.launch.xml": launch}
     (tree,) = read(written, tmp_path, "ament_python").trees
     [end] = [end for each in tree.nodes for end in each.subscribed if each.name == "/watch"]
-    assert end.optional is is_border
+    assert (end.driver is not None) is is_border and not end.optional
 
 
 @pytest.mark.parametrize(

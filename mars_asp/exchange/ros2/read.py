@@ -957,9 +957,9 @@ class _WorkspaceRobot:
                 span = topic.span or self._renaming(written, full, started, name) or started.span
                 # Such a topic is the border of a robot whose launch files start no such node.
                 package = self.catalogue.package_of_topic(full)
-                is_border = package is not None and package not in self.packages
-                marks = topic.optional or is_border, topic.measured, topic.last
-                yield Endpoint(full, topic.type, span, topic.hz, *marks)
+                driver = None if package in self.packages else package
+                marks = topic.optional, topic.measured, topic.last
+                yield Endpoint(full, topic.type, span, topic.hz, *marks, driver)
 
     def _names_by_parameter(
         self, topic: InterfaceTopic, started: Started, values: Mapping[str, GivenParameter]

@@ -63,7 +63,8 @@ def _similar_names(trees: Sequence[LaunchTree]) -> Iterator[Fact]:
     """
     nodes = [node for tree in trees for node in tree.nodes]
     heard = {end.topic: end.span for node in nodes for end in node.subscribed}
-    heard |= {lock.topic: lock.span for tree in trees for mux in tree.muxes for lock in mux.locks}
+    muxes = [mux for tree in trees for mux in tree.muxes]
+    heard |= {each.topic: each.span for mux in muxes for each in (*mux.inputs, *mux.locks)}
     sent = {end.topic for node in nodes for end in node.published}
     free = sorted(sent - heard.keys())
     unread = sorted({node.name for node in nodes if node.unread})
@@ -212,6 +213,8 @@ class _TreeFacts:
             kind = end.type.replace("::", "/").replace(".", "/").rpartition("/")[2]
             if _VARIABLE.fullmatch(kind) is None:
                 yield _fact_at(end.span, "message_type", number, kind)
+        if end.driver is not None:
+            yield _fact_at(end.span, "usual_source", number, end.driver)
         if end.optional:
             yield _fact_at(end.span, "works_without", number)
         if end.measured:
