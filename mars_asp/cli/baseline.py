@@ -8,7 +8,7 @@ import json
 import os
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -46,26 +46,22 @@ class Baseline:
     def __init__(self, path: str, entries: Iterable[BaselineEntry]) -> None:
         """Store the entries of the baseline at `path`."""
         self.path = path
-        self._left = Counter(entries)
+        self.entries = Counter(entries)
+        #: The unused entries.
+        self.left = self.entries.copy()
 
     def takes(self, finding: Consequence | Diagnostic) -> bool:
         """Whether an unused entry of the baseline lists a finding; then the entry is used up."""
         known = known_of(finding, self.path)
-        if not self._left[known]:
+        if not self.left[known]:
             return False
-        self._left[known] -= 1
+        self.left[known] -= 1
         return True
 
     def unmatched(self, files: Iterable[str]) -> Iterator[Diagnostic]:
         """Yield a note on the unused entries whose file was read or does not exist."""
-        read = {_relative(path, self.path) for path in files}
-        folder = Path(self.path).parent
-        gone = [
-            known
-            for known, count in sorted(self._left.items())
-            for _ in range(count)
-            if known.file in read or not (folder / known.file).exists()
-        ]
+        others = _of_others(self.left, self.path, files)
+        gone = sorted((self.left - others).elements())
         if gone:
             named = [
                 f"`{each.kind}({each.subject})` of `{each.file}`" for each in gone[:_MOST_NAMED]
@@ -106,9 +102,36 @@ def _relative(path: str, baseline: str) -> str:
     return Path(os.path.relpath(os.path.realpath(path), folder)).as_posix()
 
 
-def baseline_text(findings: Iterable[Consequence | Diagnostic], path: str) -> str:
-    """Return the text of a baseline for a path: the findings, sorted, one a line."""
-    entries = sorted(known_of(each, path) for each in findings)
+def _of_others(
+    entries: Counter[BaselineEntry], baseline: str, files: Iterable[str]
+) -> Counter[BaselineEntry]:
+    """Return the entries whose file exists and is none of those that were read."""
+    read = {_relative(path, baseline) for path in files}
+    folder = Path(baseline).parent
+    names = {entry.file for entry in entries} - read
+    there = {name for name in names if (folder / name).exists()}
+    return Counter({entry: count for entry, count in entries.items() if entry.file in there})
+
+
+def entries_of_others(path: str, files: Iterable[str]) -> Sequence[BaselineEntry]:
+    """Return the entries of the baseline at a path that are about none of the files.
+
+    Raises:
+        MarsError: the file at the path is not a baseline that can be read.
+    """
+    if path == STANDARD_INPUT or not Path(path).is_file() or not Path(path).stat().st_size:
+        return ()
+    # The command replaces the file, so it does not count as an input.
+    with Path(path).open("rb") as file:
+        old = _parsed(file.read(_MOST_BYTES + 1), path)
+    return tuple(_of_others(old.entries, path, files).elements())
+
+
+def baseline_text(
+    findings: Iterable[Consequence | Diagnostic], path: str, further: Iterable[BaselineEntry] = ()
+) -> str:
+    """Return the text of a baseline for a path: findings and `further`, sorted, one a line."""
+    entries = sorted((*(known_of(each, path) for each in findings), *further))
     lines = [json.dumps(entry._asdict(), ensure_ascii=False) for entry in entries]
     inside = "".join(f"\n  {line}," for line in lines).removesuffix(",")
     end = "\n" if lines else ""
@@ -140,6 +163,10 @@ def read_baseline(path: str) -> Baseline:
     """
     is_input = path == STANDARD_INPUT
     raw = read_standard_input(_MOST_BYTES + 1) if is_input else read_bytes(Path(path), _MOST_BYTES)
+    return _parsed(raw, path)
+
+
+def _parsed(raw: bytes, path: str) -> Baseline:
     text = decode(raw, path, _MOST_BYTES)
     try:
         document = json.loads(text)

@@ -14,6 +14,7 @@ from mars_asp.cli.check_output import (
     FORMATS,
     TEXT_FORMATS,
     Checked,
+    leave_out_repeats,
     left_out_text,
     new_warning_lines,
     nothing_fixed,
@@ -216,6 +217,8 @@ def check(
             of_settings.update(e for e in error.diagnostics if e.span.path.endswith(shared))
             one.status = 2
         one.append_results(map(Result, robot.notes))
+    if arguments.format != "junit":
+        leave_out_repeats(checked)
     for one in checked:
         if one.written and not arguments.diff:
             replace_files(one.written)
@@ -308,6 +311,7 @@ def judge(
     one.launch_files = tuple(tree.path for tree in project.trees)
     analysis = judge_project(project, rules(JUDGING), arguments)
     seen(project, analysis)
+    known = selection.unused() if arguments.fix else {}
     selected = selection.of(project, analysis, False, with_participants)
     sole: tuple[Repair, ...] = ()
     is_small = arguments.fix or len(analysis.facts) <= _MOST_FACTS
@@ -323,6 +327,7 @@ def judge(
             for path, text in fixed.texts.items():
                 remember(path, text)
             analysis = judge_project(project, rules(JUDGING), arguments)
+            selection.restore(known)
             selected = selection.of(project, analysis, False, with_participants)
     one.mendable = 0 if arguments.fix else len(sole)
     messages, hidden = selection.messages(project)

@@ -31,7 +31,7 @@ from mars_asp.cli.selection import hidden_text
 from mars_asp.cli.suggested_commands import command_on
 from mars_asp.cli.worker import read_standard_input
 from mars_asp.cli.wrapping import columns, wrapped
-from mars_asp.diagnostic import NOT_READ, Severity, brief
+from mars_asp.diagnostic import NOT_READ, Diagnostic, Severity, brief
 from mars_asp.output import counted, visible
 from mars_asp.reading import decoded
 
@@ -54,6 +54,8 @@ class Checked:
     further: tuple[str, ...] = ()
     status: int = 0
     counted: Counter[Severity] = field(default_factory=Counter)
+    #: How many of them an earlier robot has as well.
+    repeated: Counter[Severity] = field(default_factory=Counter)
     mended: "tuple[Repair, ...]" = ()
     #: How many findings have exactly one repair that was not applied.
     mendable: int = 0
@@ -82,6 +84,21 @@ class Checked:
                 self.counted[each.diagnostic.severity] += 1
             else:
                 self.hidden[each.hidden.by] += 1
+
+
+def leave_out_repeats(checked: Iterable[Checked]) -> None:
+    """Leave out results and repairs that an earlier robot has as well, in a file of both."""
+    reported: set[Diagnostic] = set()
+    mended: set[tuple[object, str]] = set()
+    for one in checked:
+        repeats = [each for each in one.results if each.diagnostic in reported]
+        one.repeated.update(each.diagnostic.severity for each in repeats if each.hidden is None)
+        one.mendable -= sum(each.suggestion is not None for each in repeats)
+        one.results = [each for each in one.results if each.diagnostic not in reported]
+        reported.update(each.diagnostic for each in one.results)
+        found = [((r.consequence.spans, r.consequence.message), r) for r in one.mended]
+        one.mended = tuple(repair for key, repair in found if key not in mended)
+        mended.update(key for key, _ in found)
 
 
 def write_report(
@@ -217,7 +234,7 @@ def _summary_sentences(
     checked: Sequence[Checked], remarks: Sequence[Result], arguments: argparse.Namespace
 ) -> Iterator[str]:
     """Yield the sentences with the numbers of findings, repairs and files."""
-    total: Counter[Severity] = sum((one.counted for one in checked), Counter())
+    total: Counter[Severity] = sum((one.counted - one.repeated for one in checked), Counter())
     read = [path for one in checked for path in (one.path, *one.further)]
     folders = sum(os.path.isdir(path) for path in read)  # noqa: PTH112 -- never raises
     places = [(len(read) - folders, "file"), (folders, "folder")]

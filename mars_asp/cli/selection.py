@@ -36,7 +36,7 @@ from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.spelling import nearest
 
 if TYPE_CHECKING:
-    from mars_asp.cli.baseline import Baseline
+    from mars_asp.cli.baseline import Baseline, BaselineEntry
 
 
 class Hidden(NamedTuple):
@@ -175,6 +175,15 @@ class Selection:
         self._written += selected.shown
         return selected._replace(shown=())
 
+    def unused(self) -> "Mapping[str, Counter[BaselineEntry]]":
+        """Return the unused entries of each baseline that was read, by its path."""
+        return {path: each.left.copy() for path, each in self._baselines.items()}
+
+    def restore(self, unused: "Mapping[str, Counter[BaselineEntry]]") -> None:
+        """Use entries again that were unused, and those of a baseline that was not read then."""
+        for path, baseline in self._baselines.items():
+            baseline.left = unused.get(path, baseline.entries).copy()
+
     def messages(self, project: Project) -> tuple[tuple[Diagnostic, ...], Counter[str]]:
         """Return the reported messages on reading a project, and how many each filter hides.
 
@@ -302,14 +311,17 @@ class Selection:
             message = "no baseline was written, as not every file could be read"
             yield Diagnostic("baseline", "error", message, whole_file(path))
             return
-        from mars_asp.cli.baseline import baseline_text
+        from mars_asp.cli.baseline import baseline_text, entries_of_others
 
-        text = baseline_text(self._written, path)
+        kept = entries_of_others(path, self._read)
+        text = baseline_text(self._written, path, kept)
         if path == STANDARD_INPUT:
             print(text, end="")
             return
         write_file(path, text)
-        words = f"the baseline lists {counted(len(self._written), 'finding')}"
+        words = f"the baseline lists {counted(len(self._written) + len(kept), 'finding')}"
+        if kept:
+            words += f", {len(kept)} of them in files that were not read, as before"
         yield Diagnostic("baseline", "note", words, whole_file(path))
 
     # ---- What is chosen --------------------------------------------------------------------------

@@ -67,7 +67,7 @@ def read_foreign(
     if problems:
         raise MarsError(problems)
     # A robot of nodes and links is checked as one of nodes: URDF has no topics.
-    # What another format reads has no say, wherever its file is named.
+    # A file that the reader of another format takes does not count, wherever it is named.
     origins = (each for each in formats if each != "urdf" and _with(each, formats) == each)
     origin = next(origins, files[0].format)
     parsed = united(found)

@@ -185,7 +185,7 @@ def test_robots_that_share_a_file_fix_it_as_one(
     assert run_here(["check", "one.mars", "two.mars", "--fix"]) == (0 if equal else 2)
     output = " ".join("".join(capsys.readouterr()).split())
     assert ("`part.mars` was not fixed: it is changed for `one.mars`" in output) is not equal
-    assert f"in 2 files; {6 if equal else 3} fixed" in output
+    assert "in 2 files; 3 fixed" in output
     assert (robots / "part.mars").read_text() == ONCE.replace(" hierarchical", "")
 
 

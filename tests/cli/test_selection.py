@@ -515,6 +515,80 @@ def test_no_baseline_is_written_if_a_file_cannot_be_read(folder: Path, capsys: C
     assert not (folder / "k.json").exists()
 
 
+TIED = (
+    "@configuration hierarchical\n@modules A, B, Base\n"
+    "Base is_controlled_by A\nBase is_controlled_by B\n"
+)
+
+
+def test_a_baseline_keeps_the_findings_of_files_that_were_not_read(
+    folder: Path, capsys: Captured
+) -> None:
+    names = ("c.mars", "d.mars", "e.mars")
+    for name in names:
+        (folder / name).write_text(TIED)
+    assert run_here(["check", *names, "--write-baseline", "k.json"]) == 0
+    (folder / "c.mars").write_text(TIED.replace("by B", "by B 1"))
+    (folder / "e.mars").unlink()
+    capsys.readouterr()
+    assert run_here(["check", "c.mars", "--write-baseline", "k.json"]) == 0
+    assert "lists 1 finding, 1 of them in files that were not read" in capsys.readouterr().err
+    listed = json.loads((folder / "k.json").read_text())["findings"]
+    assert [each["file"] for each in listed] == ["d.mars"]
+    assert run_here(["check", "c.mars", "d.mars", "--baseline", "k.json", *FAIL]) == 0
+
+
+FAIL = ("--fail-on", "warning")
+MISSPELT = (
+    TIED.replace("Base\n", "Base, Camera\n", 1)
+    + "A uses_data_from Camera.imge\n@module_start\n@module_name Camera\n"
+    + "@Sense NotifyWhenReady\nImage image();\n@module_end\n"
+)
+
+
+@pytest.mark.parametrize("named", ["option", "settings", "input"])
+def test_a_baseline_still_counts_after_repairs(named: str, folder: Path) -> None:
+    (folder / "c.mars").write_text(MISSPELT)
+    kinds = ["--select", "ambiguous_priority", "--write-baseline", "k.json"]
+    assert run_here(["check", "c.mars", *kinds]) == 0
+    words = ["check", "c.mars", "--fix", *FAIL]
+    if named == "settings":
+        (folder / "mars.toml").write_text('baseline = "k.json"\n')
+    else:
+        words += ["--baseline", "k.json"]
+    if named == "input":
+        words = [*words, "--stdin-filename", "c.mars"]
+        words[1] = "-"
+        assert mars(*words, text=MISSPELT, folder=folder).returncode == 0
+    else:
+        assert run_here(words) == 0
+        assert "imge" not in (folder / "c.mars").read_text()
+
+
+@pytest.mark.parametrize("format", ["text", "github", "gitlab", "sarif", "json"])
+def test_findings_in_a_shared_file_are_reported_once(format: str, folder: Path, capsys: Captured) -> None:
+    (folder / "shared.mars").write_text(MISSPELT)
+    for name in ("c.mars", "d.mars"):
+        (folder / name).write_text("@configuration hierarchical\n@include shared.mars\n")
+    capsys.readouterr()
+    words = ["check", "c.mars", "d.mars", "--format", format]
+    assert run_here(words) == 1
+    output = "".join(capsys.readouterr())
+    assert output.count("no output `Camera.imge`") == 1
+    if format == "text":
+        assert "1 error, 1 warning in 2 files" in output
+        assert "\n1 of them has exactly one repair" in output
+    if format == "json":
+        document = json.loads(output.rpartition("}")[0] + "}")
+        assert [each["errors"] for each in document["files"]] == [1, 1]
+        assert document["errors"] == 1
+    # Both have to fail in a report with a suite for each robot.
+    assert run_here([*words[:-1], "junit"]) == 1
+    assert capsys.readouterr().out.count("<failure") == 4
+    assert run_here([*words[:3], "--fix"]) == 0
+    assert capsys.readouterr().err.endswith("1 warning in 2 files; 1 fixed\n")
+
+
 def test_findings_hidden_by_comments_are_in_no_baseline(folder: Path, capsys: Captured) -> None:
     (folder / "a.mars").write_text(commented(5, f"// mars: ignore[{ERROR}]"))
     assert run_here(["check", "a.mars", "--write-baseline", "-"]) == 0
