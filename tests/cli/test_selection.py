@@ -566,7 +566,9 @@ def test_a_baseline_still_counts_after_repairs(named: str, folder: Path) -> None
 
 
 @pytest.mark.parametrize("format", ["text", "github", "gitlab", "sarif", "json"])
-def test_findings_in_a_shared_file_are_reported_once(format: str, folder: Path, capsys: Captured) -> None:
+def test_findings_in_a_shared_file_are_reported_once(
+    format: str, folder: Path, capsys: Captured
+) -> None:
     (folder / "shared.mars").write_text(MISSPELT)
     for name in ("c.mars", "d.mars"):
         (folder / name).write_text("@configuration hierarchical\n@include shared.mars\n")
