@@ -8,7 +8,7 @@ import json
 import os
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -113,26 +113,23 @@ def _of_others(
     return Counter({entry: count for entry, count in entries.items() if entry.file in there})
 
 
-def entries_of_others(path: str, files: Iterable[str]) -> Sequence[BaselineEntry]:
+def entries_of_others(path: str, files: Iterable[str]) -> Counter[BaselineEntry]:
     """Return the entries of the baseline at a path that are about none of the files.
 
     Raises:
         MarsError: the file at the path is not a baseline that can be read.
     """
     if path == STANDARD_INPUT or not Path(path).is_file() or not Path(path).stat().st_size:
-        return ()
+        return Counter()
     # The command replaces the file, so it does not count as an input.
     with Path(path).open("rb") as file:
         old = _parsed(file.read(_MOST_BYTES + 1), path)
-    return tuple(_of_others(old.entries, path, files).elements())
+    return _of_others(old.entries, path, files)
 
 
-def baseline_text(
-    findings: Iterable[Consequence | Diagnostic], path: str, further: Iterable[BaselineEntry] = ()
-) -> str:
-    """Return the text of a baseline for a path: findings and `further`, sorted, one a line."""
-    entries = sorted((*(known_of(each, path) for each in findings), *further))
-    lines = [json.dumps(entry._asdict(), ensure_ascii=False) for entry in entries]
+def baseline_text(entries: Iterable[BaselineEntry]) -> str:
+    """Return the text of a baseline: its entries, sorted, one a line."""
+    lines = [json.dumps(entry._asdict(), ensure_ascii=False) for entry in sorted(entries)]
     inside = "".join(f"\n  {line}," for line in lines).removesuffix(",")
     end = "\n" if lines else ""
     return f'{{"format": "{_FORMAT}", "version": {_VERSION}, "findings": [{inside}{end}]}}\n'

@@ -18,7 +18,7 @@ from mars_asp.cli.limits import load_freely
 from mars_asp.cli.output_files import ending
 from mars_asp.cli.progress import live_line
 from mars_asp.cli.schemas import add_schema, schema_text
-from mars_asp.cli.suggested_commands import command
+from mars_asp.cli.suggested_commands import command, way_to_install
 from mars_asp.cli.trials import scenario_text, specified
 from mars_asp.diagnostic import Diagnostic, MarsError, refusal, whole_file
 
@@ -116,7 +116,7 @@ def _check_engine(arguments: argparse.Namespace) -> None:
             "leave out --workers or --cluster",
         )
     if arguments.cluster and not has_dask():
-        help_text = "`pip install 'mars-asp[campaign]'`, or use --workers on this machine"
+        help_text = f"`{way_to_install('campaign')}`, or use --workers on this machine"
         message = "`--cluster` needs Dask, which is not installed"
         raise refusal("campaign", message, "--cluster", help_text)
     if arguments.fresh and arguments.output == STANDARD_INPUT:

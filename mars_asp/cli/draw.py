@@ -19,6 +19,7 @@ from mars_asp.cli.inputs import (
     rulebook_for,
 )
 from mars_asp.cli.selection import Selection, add_selection
+from mars_asp.cli.suggested_commands import way_to_install
 from mars_asp.cli.wrapping import columns, wrapped
 from mars_asp.diagnostic import Diagnostic, refusal, whole_file
 from mars_asp.model.declarations import ends_of, ports_of
@@ -245,4 +246,4 @@ def _drawn(picture: "Picture", kind: str, layout: str, path: str) -> str | bytes
         return svg
     from mars_asp.draw.png import png_bytes
 
-    return png_bytes(svg, path)
+    return png_bytes(svg, path, f"`{way_to_install('png')}`")

@@ -223,7 +223,7 @@ def _parse(
     Raises:
         MarsError: the file has errors.
     """
-    if getattr(arguments, "launch", ()) and not os.path.isdir(path):  # noqa: PTH112 -- never raises
+    if getattr(arguments, "launch", ()) and os.path.isfile(path):  # noqa: PTH113 -- never raises
         message = "--launch chooses a robot of a folder, and this is a file"
         raise refusal("usage", message, path, "name the folder of the workspace")
     files = [_read_file(arguments, path, text), *(_read_file(arguments, each) for each in further)]

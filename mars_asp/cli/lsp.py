@@ -1,6 +1,6 @@
 """Answer editors: the language server for `.mars` files, annotated sources and rules, over stdio.
 
-It needs the extra `lsp`: `pip install 'mars-asp[lsp]'`.
+It needs the extra `lsp`.
 """
 
 import argparse
@@ -10,6 +10,7 @@ from functools import partial
 from importlib.util import find_spec
 
 from mars_asp.cli.arguments import add_flags, misuse
+from mars_asp.cli.suggested_commands import way_to_install
 
 #: The server runs as long as the editor; each analysis is a process with its own limits.
 IS_CONTAINED = False
@@ -28,9 +29,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Serve until the editor is gone; return 2 if the extra is missing."""
     if find_spec("pygls") is None:
-        return misuse(
-            "lsp", "the language server needs the extra `lsp`: pip install 'mars-asp[lsp]'"
-        )
+        return misuse("lsp", f"the language server needs the extra `lsp`: {way_to_install('lsp')}")
     from mars_asp.asp.contained import Server, limit_memory
     from mars_asp.cli.limits import memory_limit
     from mars_asp.lsp.server import serve

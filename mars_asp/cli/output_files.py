@@ -7,6 +7,7 @@ from importlib.util import find_spec
 from typing import IO, TYPE_CHECKING, cast
 
 from mars_asp.cli.deliver import streamed, write_file
+from mars_asp.cli.suggested_commands import way_to_install
 from mars_asp.diagnostic import Diagnostic, MarsError, whole_file
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ def check_packages(arguments: argparse.Namespace) -> None:
         for ending, (package, extra) in _NEEDED.items():
             if path is not None and path.endswith(ending) and find_spec(package) is None:
                 message = f"`{ending}` needs the package `{package}`, which is not installed"
-                help_text = f"`pip install 'mars-asp[{extra}]'`, or choose another ending"
+                help_text = f"`{way_to_install(extra)}`, or choose another ending"
                 place = whole_file(path)
                 problems.append(Diagnostic("package", "error", message, place, (), help_text))
     if problems:
@@ -109,4 +110,4 @@ def _plotted(trial: "Trial", judgement: "Judgement", path: str) -> str | bytes:
         return svg
     from mars_asp.draw.png import png_bytes
 
-    return png_bytes(svg, str(trial.scenario.path))
+    return png_bytes(svg, str(trial.scenario.path), f"`{way_to_install('png')}`")

@@ -254,7 +254,8 @@ class Selection:
         path = Path(project.configuration.path)
         choice = self._choice(path if path.is_dir() else path.parent)
         files = _files_of_project(project)
-        self._read |= files
+        if self._is_whole(project):
+            self._read |= files
         return choice, tuple(_ignores(project, files))
 
     def _selected(
@@ -311,17 +312,18 @@ class Selection:
             message = "no baseline was written, as not every file could be read"
             yield Diagnostic("baseline", "error", message, whole_file(path))
             return
-        from mars_asp.cli.baseline import baseline_text, entries_of_others
+        from mars_asp.cli.baseline import baseline_text, entries_of_others, known_of
 
-        kept = entries_of_others(path, self._read)
-        text = baseline_text(self._written, path, kept)
+        found = Counter(known_of(each, path) for each in self._written)
+        entries = found | entries_of_others(path, self._read)
+        text = baseline_text(entries.elements())
         if path == STANDARD_INPUT:
             print(text, end="")
             return
         write_file(path, text)
-        words = f"the baseline lists {counted(len(self._written) + len(kept), 'finding')}"
-        if kept:
-            words += f", {len(kept)} of them in files that were not read, as before"
+        words = f"the baseline lists {counted(entries.total(), 'finding')}"
+        if kept := entries.total() - found.total():
+            words += f", {kept} of them as before, of what was not read"
         yield Diagnostic("baseline", "note", words, whole_file(path))
 
     # ---- What is chosen --------------------------------------------------------------------------
@@ -429,8 +431,7 @@ class Selection:
         matched = {(*one.spans[0][:2], name) for one in found for name in _selectors(one)}
         for each in project.diagnostics:
             matched.update((*each.span[:2], name) for name in _selectors(each))
-        # Other launch files may start what a comment is about.
-        is_whole = not project.trees or self._has_every_launch(project.configuration.path)
+        is_whole = self._is_whole(project)
         for ignore in ignores:
             if not ignore.kinds:
                 message = "this comment names no kind of finding, so it hides nothing"
@@ -445,8 +446,14 @@ class Selection:
                     message = f"this comment hides nothing: no `{kind}` is reported at its line"
                     yield _remark(message, span, _elsewhere(kind, span, found))
 
-    def _has_every_launch(self, path: str) -> bool:
-        """Whether a path is a workspace, or a package in none, and no launch file is chosen."""
+    def _is_whole(self, project: Project) -> bool:
+        """Whether a project has all launch files that may start what comments are about.
+
+        Otherwise it is a workspace, or a package in none, and no launch file is chosen.
+        """
+        path = project.configuration.path
+        if not project.trees:
+            return True
         if not os.path.isdir(path) or getattr(self._arguments, "launch", None):  # noqa: PTH112
             return False
         around = workspace_of(os.path.join(path, "_"))  # noqa: PTH118 -- may be `.`

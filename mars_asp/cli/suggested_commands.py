@@ -1,10 +1,21 @@
-"""Commands that messages suggest for further questions about the same robot."""
+"""Commands that messages suggest: further questions about the same robot, and missing extras."""
 
 import argparse
+import json
 import shlex
+import sys
+from importlib.metadata import PackageNotFoundError, distribution
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
 
 from mars_asp.output import visible
 from mars_asp.reading import SHOWN_INPUT
+
+#: The files by which uv and pipx mark an environment of theirs, and how they install into it.
+_TOOLS = {
+    "uv-receipt.toml": ("uv", "tool", "install"),
+    "pipx_metadata.json": ("pipx", "install", "--force"),
+}
 
 
 def command(verb: str, arguments: argparse.Namespace, *words: str) -> str:
@@ -30,6 +41,27 @@ def command_on(path: str, verb: str, arguments: argparse.Namespace, *words: str)
     """Return a command line about one file, where `-` is standard input."""
     name = "-" if path == SHOWN_INPUT else path
     return command(verb, argparse.Namespace(**vars(arguments) | {"files": [name]}), *words)
+
+
+def way_to_install(extra: str) -> str:
+    """Return the command that adds an extra of this package to this installation.
+
+    A clone or a wheel from which it was installed is recorded in `direct_url.json` (PEP 610).
+
+    >>> way_to_install("png").endswith("[png]'")
+    True
+    """
+    try:
+        origin = json.loads(distribution("mars-asp").read_text("direct_url.json") or "{}")
+    except (PackageNotFoundError, ValueError):
+        origin = {}
+    url = urlsplit(origin.get("url", ""))
+    source = unquote(url.path) if url.scheme == "file" else "mars-asp"
+    prefix = Path(sys.prefix)
+    found = (words for mark, words in _TOOLS.items() if (prefix / mark).exists())
+    words = next(found, (sys.executable, "-m", "pip", "install"))
+    options = ("-e",) if origin.get("dir_info", {}).get("editable") and "pip" in words else ()
+    return shlex.join([*words, *options, f"{source}[{extra}]"])
 
 
 def _readings(arguments: argparse.Namespace) -> list[str]:

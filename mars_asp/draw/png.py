@@ -13,17 +13,19 @@ _LETTER = '<svg xmlns="http://www.w3.org/2000/svg" width="20" height="20">{}</sv
 _TEXT = f'<text x="2" y="16" font-family="{FONT}">M</text>'
 
 
-def png_bytes(svg: str, path: str) -> bytes:
+def png_bytes(svg: str, path: str, way: str = "install the extra `png`") -> bytes:
     """Return the SVG of a diagram as PNG at twice its size, or smaller if that is too large.
 
+    Messages name `path`, and `way`, how to install resvg.
+
     Raises:
-        MarsError: resvg is not installed, or finds no font; `path` is that of the robot.
+        MarsError: resvg is not installed, or finds no font.
     """
     try:
         from resvg_py import svg_to_bytes  # noqa: PLC0415 -- of the extra `png`
     except ImportError:
         message = "a PNG needs the package `resvg_py`, which is not installed"
-        advice = "`pip install 'mars-asp[png]'`, or write an `.svg`"
+        advice = f"{way}, or write an `.svg`"
         raise refusal("png", message, path, advice) from None
     # Without a font that it knows, resvg leaves out text without a word.
     with_letter = svg_to_bytes(svg_string=_LETTER.format(_TEXT))

@@ -17,6 +17,7 @@ import pytest
 from mars_asp.cli import run_command, run_here
 from mars_asp.cli.campaign import Progress
 from mars_asp.cli.schemas import schema_text
+from mars_asp.cli.suggested_commands import way_to_install
 from mars_asp.execution.campaign.grid import Grid, Run
 from mars_asp.execution.campaign.journal import ended_run
 from tests.support.documents import ROOT
@@ -265,7 +266,7 @@ def test_a_cluster_needs_dask_and_several_workers_do_not(
     monkeypatch.setitem(sys.modules, "distributed", None)
     monkeypatch.setattr("mars_asp.cli.campaign_dask.find_spec", lambda name: None)
     assert run_here(campaign.words("--seeds", "1", "--cluster", "tcp://127.0.0.1:1")) == 2
-    assert "pip install 'mars-asp[campaign]'" in capsys.readouterr().err
+    assert f"`{way_to_install('campaign')}`" in " ".join(capsys.readouterr().err.split())
     written = []
     for workers in "13":
         run_here(campaign.words("--seeds", "1-7", "--workers", workers))

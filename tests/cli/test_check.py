@@ -766,3 +766,29 @@ def test_a_foreign_file_without_findings_has_nothing_to_fix(
     )
     assert run_here(["check", str(path), "--fix"]) == 0
     assert capsys.readouterr() == ("", "no problems found in 1 file\n")
+
+
+BLOCK = (
+    "@module_start\n@module_name Docking\n@ControlOut\n@Output none\n@Input none\n"
+    "void drive();\n@module_end\n"
+)
+
+
+@pytest.mark.parametrize("origin", ["", "// imported from ros2\n", "// imported from dora\n"])
+@pytest.mark.parametrize(
+    ("modules", "help"),
+    [
+        ("Base, Joy", "add `Docking` to `@modules`"),
+        ("Base, Joy, Dockin", "did you mean `Dockin`? otherwise add `Docking` to `@modules`"),
+    ],
+)
+def test_a_described_module_outside_of_modules_is_not_misspelt(
+    modules: str, help: str, origin: str, tmp_path: Path, capsys: Captured
+) -> None:
+    lines = "Base is_controlled_by Joy 1\nBase is_controlled_by Docking 2\n"
+    path = tmp_path / "robot.mars"
+    path.write_text(f"@configuration hierarchical\n@modules {modules}\n{origin}{lines}{BLOCK}")
+    assert run_here(["check", str(path), "--select", "undeclared_module", "--format", "json"]) == 1
+    [found] = json.loads(capsys.readouterr().out)["findings"]
+    assert "`@modules` does not name it" in found["message"]
+    assert found["help"] == help

@@ -16,6 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mars_asp.cli import run_here
+from mars_asp.cli.suggested_commands import way_to_install
 from mars_asp.diagnostic import Severity
 from mars_asp.draw import Picture, depict
 from mars_asp.draw.dot import dot_text
@@ -274,7 +275,7 @@ def test_without_the_extra_a_png_is_refused_and_all_else_works(
         f"mars-asp: error: {config}: a PNG needs the package `resvg_py`, which is not installed"
     )
     assert output.startswith(message)
-    assert "pip install 'mars-asp[png]'" in output
+    assert way_to_install("png") in output
     assert not target.exists()
     assert run_here(["draw", config, "-o", str(tmp_path / "a.svg")]) == 0
 

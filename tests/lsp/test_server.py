@@ -12,6 +12,7 @@ from lsprotocol import types
 from pygls.protocol import default_converter
 
 from mars_asp.cli import run_here
+from mars_asp.cli.suggested_commands import way_to_install
 from tests.support.documents import ROOT
 from tests.support.fixtures import Captured, Patch
 from tests.support.processes import children_of
@@ -441,7 +442,8 @@ def test_a_long_analysis_is_ended(folder: Path, limit: str, reason: str) -> None
 def test_without_the_extra_it_tells_how_to_install_it(capsys: Captured, monkeypatch: Patch) -> None:
     monkeypatch.setattr("mars_asp.cli.lsp.find_spec", lambda name: None)
     assert run_here(["lsp"]) == 2
-    text = "mars-asp lsp: the language server needs the extra `lsp`: pip install 'mars-asp[lsp]'\n"
+    way = way_to_install("lsp")
+    text = f"mars-asp lsp: the language server needs the extra `lsp`: {way}\n"
     assert capsys.readouterr() == ("", text)
 
 

@@ -389,15 +389,17 @@ class Compiler:
         """Add the known name that is most similar to each undeclared name."""
         declared = {name.text for name in self.configuration.modules}
         ends = {end for r in self.configuration.relationships for end in ends_of(r)}
+        known = set(self.known)
         # `DataSplitter2` is not `DataSplitter1` misspelt.
-        strange = self._not_nodes(ends - declared - set(self.known))
-        pools = [(strange, sorted(declared | set(self.known)))]
-        if self.known:
-            unknown = self._not_nodes(declared - set(self.known))
-            pools.append((unknown, sorted(set(self.known) - declared)))
+        pools = [(self._not_nodes(ends - declared - known), sorted(declared | known))]
+        if known:
+            unknown = self._not_nodes(declared - known)
+            pools.append((unknown, sorted(known - declared)))
+            # What has a description is written right, and may be misspelt in `@modules`.
+            pools.append((self._not_nodes(ends & known - declared), sorted(unknown)))
         places = {name.text: name.span for name in self.configuration.modules}
-        for written, known in unknown_ports(self.described, self.naming.ends).items():
-            near = nearest(written, known)
+        for written, ports in unknown_ports(self.described, self.naming.ends).items():
+            near = nearest(written, ports)
             if near is not None:
                 self.add(self.configuration.span, "resembles", written, near)
         for strangers, candidates in pools:

@@ -11,6 +11,7 @@ import pytest
 from mcap.reader import make_reader
 
 from mars_asp.cli import run_here
+from mars_asp.cli.suggested_commands import way_to_install
 from mars_asp.execution.executor.plan import Plan
 from mars_asp.execution.recording.mcap import SCHEMAS, Foxglove
 from mars_asp.execution.trial import Trial
@@ -141,7 +142,7 @@ def test_a_package_that_is_missing_is_named_before_the_run(
     # The folder is so long that the message may be wrapped.
     message = " ".join(errors.split())
     assert "`.mcap` needs the package `mcap`, which is not installed" in message
-    assert "pip install 'mars-asp[mcap]'" in message
+    assert way_to_install("mcap") in message
     assert (printed, out.exists()) == ("", False)
 
 
