@@ -2,11 +2,13 @@
 
 import json
 import shlex
+import sys
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
-from mars_asp.cli import run_here
+from mars_asp.cli import run_here, suggested_commands
 from tests.support.fixtures import Captured, Patch
 
 ROBOT = """\
@@ -98,3 +100,28 @@ def test_lines_are_shown_without_escapes_and_within_the_width(
     assert all(len(line) <= 60 or len(line.split()) <= 2 for line in fixed), fixed
     run_here(["draw", str(file), "-o", "picture.unknown"])
     assert max(map(len, capsys.readouterr().err.split("\n"))) <= 60
+
+
+UV = "uv tool install '/a/my clone[png]'"
+PIPX = "pipx install --force '/c[png]'"
+PIP = "python -m pip install -e '/c[png]'"
+
+
+@pytest.mark.parametrize(
+    ("origin", "mark", "expected"),
+    [
+        ('{"url": "file:///a/my%20clone", "dir_info": {}}', "uv-receipt.toml", UV),
+        ('{"url": "file:///c", "dir_info": {"editable": true}}', "pipx_metadata.json", PIPX),
+        ('{"url": "file:///c", "dir_info": {"editable": true}}', "pyvenv.cfg", PIP),
+        (None, "uv-receipt.toml", "uv tool install 'mars-asp[png]'"),
+    ],
+)
+def test_an_extra_is_added_in_the_way_of_the_installation(
+    origin: str | None, mark: str, expected: str, tmp_path: Path, monkeypatch: Patch
+) -> None:
+    (tmp_path / mark).touch()
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    monkeypatch.setattr(sys, "executable", "python")
+    found = Mock(read_text=lambda name: origin)
+    monkeypatch.setattr(suggested_commands, "distribution", lambda name: found)
+    assert suggested_commands.way_to_install("png") == expected
