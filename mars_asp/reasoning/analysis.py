@@ -6,7 +6,7 @@ the answer set, its message the metadata of the rule that derives it.
 
 from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 from typing import TypeAlias
 
 import clingo
@@ -136,6 +136,12 @@ class Analysis:
         return any(_severity(severity) == "error" for severity in severities)
 
 
+@lru_cache(maxsize=64)
+def _speakers(rulebook: Rulebook) -> tuple[Rule, ...]:
+    """Return the rules that derive consequences."""
+    return tuple(rule for rule in rulebook.rules if rule.derives(CONSEQUENCE))
+
+
 def analyse(
     facts: Iterable[Fact],
     rulebook: Rulebook,
@@ -152,7 +158,7 @@ def analyse(
             unknown.
     """
     facts = tuple(facts)
-    speakers = tuple(rule for rule in rulebook.rules if rule.derives(CONSEQUENCE))
+    speakers = _speakers(rulebook)
     queries = [
         Fragment(telling(at, each), "rules", each.span)
         for at, each in enumerate(rulebook.arithmetic)

@@ -1,6 +1,7 @@
 """Findings of rules: consequences, their severities, and the limits for rule packs."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from functools import lru_cache
 
 from mars_asp.asp.messages import RenderedMessage
 from mars_asp.asp.rules.checks import Contract, placed
@@ -36,6 +37,7 @@ def kinds_of(rule: Rule) -> frozenset[str] | None:
     return rule.firsts.get(CONSEQUENCE) if CONSEQUENCE in rule.heads else frozenset()
 
 
+@lru_cache(maxsize=64)
 def consequence_kinds(rulebook: Rulebook) -> frozenset[str]:
     """Return the kinds of consequence that rules name in their heads."""
     return frozenset().union(*(kinds_of(rule) or () for rule in rulebook.rules))

@@ -1,6 +1,7 @@
 """Launch trees judged by rules of their own: the findings in each, and where they hold."""
 
 from dataclasses import replace
+from functools import lru_cache
 
 from mars_asp.asp.rules.rulebook import Rulebook
 from mars_asp.reasoning.analysis import Analysis, analyse
@@ -10,6 +11,7 @@ from mars_asp.reasoning.project import Project
 STAGE = "launch"
 
 
+@lru_cache(maxsize=8)
 def launch_rules(rulebook: Rulebook) -> Rulebook:
     """Return the built-in rules on launch trees, which read no other stage, as a base."""
     paths = [

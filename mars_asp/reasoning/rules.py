@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -215,17 +216,47 @@ def _kind_rule(kind: PackKind) -> Rule:
 
 def _built_in(stages: Collection[str], strict: bool, problems: list[Diagnostic]) -> Rulebook:
     """Return the built-in rules, newly read and checked if `strict`; add errors to `problems`."""
-    files = _built_in_files(stages)
-    read = [_read_rules(file, strict) for file in files] if strict else _made(files)
-    for each in read:
-        problems += each.problems
+    files = tuple(_built_in_files(stages))
+    if strict:
+        rulebook, found = _rulebook_of(files, [_read_rules(file, strict) for file in files])
+    else:
+        rulebook, found = _unchanged(files, tuple(_state(file.path) for file in files))
+    problems += found
+    return rulebook
+
+
+@lru_cache(maxsize=32)
+def _unchanged(
+    files: tuple[_RuleText, ...], states: tuple[object, ...]
+) -> tuple[Rulebook, Sequence[Diagnostic]]:
+    """Return the rules of files in certain states, with their errors.
+
+    Whatever a rulebook has computed is kept for the next command in this process.
+    """
+    return _rulebook_of(files, _made(files))
+
+
+def _state(path: Path) -> tuple[int, ...]:
+    try:
+        status = path.stat()
+    except OSError:  # the reader reports the error
+        return ()
+    return status.st_mtime_ns, status.st_size, status.st_ino
+
+
+def _rulebook_of(
+    files: Sequence[_RuleText], read: Sequence[_Read]
+) -> tuple[Rulebook, Sequence[Diagnostic]]:
+    """Return the rules of the files that could be read, and the errors of the others."""
+    problems = [problem for each in read for problem in each.problems]
     whole = [(file, each) for file, each in zip(files, read, strict=True) if not each.problems]
-    return Rulebook(
+    rulebook = Rulebook(
         tuple(rule for _, each in whole for rule in each.rules),
         tuple((file.stage, each.text) for file, each in whole),
         paths=tuple(file.shown for file, _ in whole),
         documented=tuple(each.documented for _, each in whole),
     )
+    return rulebook, problems
 
 
 def seal() -> Seal:

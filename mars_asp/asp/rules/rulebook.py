@@ -23,7 +23,7 @@ BASE = "base"
 _Text: TypeAlias = tuple[str, str]
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Rulebook:
     """All rules, in the order of their files, and the texts for clingo.
 

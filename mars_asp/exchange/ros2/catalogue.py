@@ -4,6 +4,7 @@ import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import cache
 from importlib import resources
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point, whole_file
@@ -22,12 +23,16 @@ _FLAGS = ("guard", "clients", "listens", "spread", "sure")
 class Catalogue:
     """The interfaces of programs without source; a later entry replaces one of the same name."""
 
-    def __init__(self) -> None:
-        """Begin without programs."""
+    def __init__(self, other: "Catalogue | None" = None) -> None:
+        """Begin with the programs of another catalogue, else with none."""
         self._programs: dict[tuple[str, str], Interface] = {}
         self._plugins: dict[str, Interface] = {}
         #: The package of a program whose node has a usual name, by that name and a private topic.
         self._private: dict[tuple[str | None, str], str] = {}
+        if other is not None:
+            self._programs |= other._programs
+            self._plugins |= other._plugins
+            self._private |= other._private
 
     def add(self, package: str, executable: str, plugin: object, interface: Interface) -> None:
         """Add a program by its package and executable, and by its component's class, if any."""
@@ -60,10 +65,17 @@ def load_catalogue(own: tuple[tuple[str, str], ...] = ()) -> Catalogue:
     Raises:
         MarsError: a catalogue of the user has an error.
     """
-    ours = resources.files(__package__).joinpath("catalogue.toml").read_text(encoding="utf-8")
-    catalogue = Catalogue()
-    for text, path in ((ours, "catalogue.toml"), *own):
+    catalogue = Catalogue(_ours())
+    for text, path in own:
         _read_catalogue(text, path, catalogue)
+    return catalogue
+
+
+@cache
+def _ours() -> Catalogue:
+    text = resources.files(__package__).joinpath("catalogue.toml").read_text(encoding="utf-8")
+    catalogue = Catalogue()
+    _read_catalogue(text, "catalogue.toml", catalogue)
     return catalogue
 
 
