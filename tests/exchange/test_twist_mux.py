@@ -202,7 +202,7 @@ def test_findings_and_notes_of_unread_parts_have_lines_of_the_file(
     assert status == 0
     for kind in ("ambiguous_priority", "never_expires", "never_wins", "not_read"):
         assert f"[{kind}]" in found
-    assert "In twist_mux the first input in its list wins" in found
+    assert "In twist_mux the first input (ROS 2: by name" in found
 
 
 def test_quiet_hides_notes_of_unread_parts_and_json_keeps_them(mux: Path, capsys: Captured) -> None:
