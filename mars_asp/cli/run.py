@@ -78,7 +78,11 @@ def run(arguments: argparse.Namespace) -> int:
     functions = _bound_functions(specification, modules, scenario)
     if arguments.dry_run:
         is_possible = _fits(specification, modules, scenario, functions, arguments)
-        return max(_print_plan(functions, scenario, arguments), 0 if is_possible else 2)
+        # Devices of other specifications are warnings, and not simulated.
+        names = {name.text for name in specification.modules}
+        used = {name: each for name, each in scenario.devices.items() if name in names}
+        planned = replace(scenario, devices=used)
+        return max(_print_plan(functions, planned, arguments), 0 if is_possible else 2)
     # For programs, the result must not contain the output of modules.
     aside = redirect_stdout(sys.stderr) if arguments.format == "json" else nullcontext()
     runs_code_of(dict.fromkeys(str(path) for path, _ in functions.values()))

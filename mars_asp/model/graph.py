@@ -156,11 +156,12 @@ class StartCondition:
 
 @dataclass(frozen=True, slots=True)
 class Renaming:
-    """A topic that a launch file renames: its full names before and after."""
+    """A topic that a launch file, or a parameter, renames: its full names before and after."""
 
     source: str
     target: str
     span: Span
+    is_by_parameter: bool = False
 
 
 @dataclass(frozen=True, slots=True)

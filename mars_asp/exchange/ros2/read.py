@@ -778,7 +778,10 @@ class _WorkspaceRobot:
             relays,
             unread,
             started.conditions,
-            renamed=self._renamed(started, name),
+            renamed=(
+                *self._renamed(started, name),
+                *_set_by_parameters(interface, started, name, values),
+            ),
             # Without its source, a name is mostly a habit of its program.
             is_named=(is_named or bool(started.name) or interface.is_name_sure)
             and not started.is_name_open,
@@ -1066,6 +1069,18 @@ def _is_off(topic: InterfaceTopic, values: Mapping[str, GivenParameter]) -> bool
         name in values and values[name].is_known and values[name].text.lower() == _TRUTH[not wanted]
         for name, wanted in topic.switches
     )
+
+
+def _set_by_parameters(
+    interface: Interface, started: Started, name: str, values: Mapping[str, GivenParameter]
+) -> Iterator[Renaming]:
+    """Yield the topics to which parameters give another name than the program's default."""
+    for topic in (*interface.published, *interface.subscribed):
+        value = values.get(topic.parameter or "")
+        if value is not None and value.is_known and value.text and topic.name:
+            before = renamed(topic.name, started.namespace, name, ())
+            after = renamed(value.text, started.namespace, name, started.remaps)
+            yield Renaming(before, after, value.keys[0].span, is_by_parameter=True)
 
 
 def _value_of(given: GivenParameter | None, default: str | None) -> str | None:

@@ -72,7 +72,9 @@ def _unknown_name(
         return Diagnostic("scenario", "error", message, place, (), help_text)
     advice = suggestion(name, left, None)
     severity: Severity = "error" if advice else "warning"
-    help_text = advice or "remove it, or add the module"
+    named = scenario.devices.keys() | scenario.bindings.keys()
+    others = sorted({*modules} - named)
+    help_text = advice or suggestion(name, others, "remove it, or add the module")
     return Diagnostic("scenario", severity, message, place, (), help_text)
 
 

@@ -192,10 +192,12 @@ class _TreeFacts:
             yield from self.with_place(span, "manages", number, managed)
 
     def of_renamings(self, number: int, node: GraphNode | Mux) -> Iterator[Fact]:
-        """Yield the facts of remappings, and of the names among them that the node has."""
+        """Yield the facts of renamed topics, and of the remapped names that the node has."""
         for each in node.renamed:
-            yield from self.with_place(each.span, "renames", number, each.source, each.target)
-        for named in sorted({each.source for each in node.renamed} & (node.names or set())):
+            name = "sets_topic" if each.is_by_parameter else "renames"
+            yield from self.with_place(each.span, name, number, each.source, each.target)
+        remapped = {each.source for each in node.renamed if not each.is_by_parameter}
+        for named in sorted(remapped & (node.names or set())):
             yield _fact_at(node.span, "has_name", number, named)
 
     def of_files(self, number: int, files: Iterable[GivenFile]) -> Iterator[Fact]:
