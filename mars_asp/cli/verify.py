@@ -25,7 +25,7 @@ from mars_asp.cli.inputs import (
 from mars_asp.cli.lines import located_lines, location_json, rule_location_json
 from mars_asp.cli.progress import progress_bar
 from mars_asp.cli.wrapping import columns, wrapped
-from mars_asp.diagnostic import Diagnostic, Span
+from mars_asp.diagnostic import Diagnostic, Span, whole_file
 from mars_asp.model.declarations import NODE_NAMES, Configuration, Module
 from mars_asp.output import visible
 from mars_asp.reasoning.analysis import findings
@@ -90,8 +90,13 @@ def run(arguments: argparse.Namespace) -> int:
             return misuse(
                 "verify", f"SPEC and CONFIG are needed, or --without NODE CONFIG; {alone}"
             )
-        from mars_asp.exchange.lift import lifted
+        from mars_asp.exchange.lift import has_glue, lifted
 
+        if not has_glue(project.configuration):
+            message = "no mux or relay was read, so nothing adds to what the nodes publish"
+            help_text = "`mars-asp check` judges nodes that publish commands on one topic"
+            place = whole_file(project.configuration.path)
+            report([Diagnostic("launch", "note", message, place, help=help_text)], arguments)
         # The wiring of foreign files is judged against the configuration that it realises.
         specification = lifted(project.configuration)
     else:

@@ -9,6 +9,8 @@ from importlib import resources
 
 from mars_asp.diagnostic import Diagnostic, MarsError, Span, point, whole_file
 from mars_asp.exchange.ros2.interface import Interface, InterfaceTopic
+from mars_asp.output import listing
+from mars_asp.spelling import suggestion
 
 #: The name of a user's file that adds to the catalogue.
 OWN = "mars-catalogue.toml"
@@ -94,11 +96,17 @@ def _read_catalogue(text: str, path: str, catalogue: Catalogue) -> None:
         for executable, program in programs.items():
             if not isinstance(program, dict):
                 raise _catalogue_error(path, f"`{package}.{executable}` is not a table")
-            interface = _interface_of(f"{package}.{executable}", program, path)
+            interface = _interface_of(f"{package}.{executable}", program, text, path)
             catalogue.add(package, executable, program.get("plugin"), interface)
 
 
-def _interface_of(called: str, program: Mapping[str, object], path: str) -> Interface:
+def _interface_of(called: str, program: Mapping[str, object], text: str, path: str) -> Interface:
+    """Return the interface of a program in the TOML `text` of a catalogue at `path`.
+
+    Raises:
+        MarsError: a key or a value is wrong.
+    """
+    known = (*_TOPICS, *_TEXTS, *_FLAGS)
     for key, value in program.items():
         if key in _TOPICS:
             fits = isinstance(value, dict) and all(isinstance(v, str) for v in value.values())
@@ -110,7 +118,12 @@ def _interface_of(called: str, program: Mapping[str, object], path: str) -> Inte
         else:
             fits, expected = False, "a key of the catalogue"
         if not fits:
-            raise _catalogue_error(path, f"`{key}` of `{called}` is not {expected}")
+            written = re.search(rf"(?m)^[ \t]*[\"']?{re.escape(key)}[\"']?[ \t]*=", text)
+            line = text.count("\n", 0, written.start()) + 1 if written else 0
+            place = point(path, line, 1) if line else None
+            help_text = None if key in known else suggestion(key, known, f"one of {listing(known)}")
+            message = f"`{key}` of `{called}` is not {expected}"
+            raise _catalogue_error(path, message, place, help_text)
     node, namespace, camera = map(program.get, ("node", "namespace", "camera"))
     subscribed = (
         replace(each, image=str(camera)) if each.name == "camera_info" and camera else each
@@ -146,7 +159,9 @@ def _topics(listed: object) -> Iterator[InterfaceTopic]:
             yield InterfaceTopic(name, kind)
 
 
-def _catalogue_error(path: str, message: str, place: Span | None = None) -> MarsError:
+def _catalogue_error(
+    path: str, message: str, place: Span | None = None, help_text: str | None = None
+) -> MarsError:
     span = whole_file(path) if place is None else place
-    help_text = "see `catalogue.toml` in the package for the form"
-    return MarsError((Diagnostic("catalogue", "error", message, span, help=help_text),))
+    form = '"Nodes without source" in `docs/how-to/ros2.md` shows the form'
+    return MarsError((Diagnostic("catalogue", "error", message, span, help=help_text or form),))
