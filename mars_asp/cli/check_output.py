@@ -269,7 +269,7 @@ def nothing_fixed(checked: Sequence[Checked], arguments: argparse.Namespace) -> 
     if left and "unfixed" not in codes and not any(one.mended for one in checked):
         path = left[0] if len(left) == 1 else "FILE"
         way = f"`{command_on(path, 'explain', arguments, '--repair')}`"
-        yield f"no finding has exactly one repair: {way} shows all that there are"
+        yield f"no finding has exactly one repair: {way} shows those that there are"
 
 
 def left_out_text(number: int) -> str:

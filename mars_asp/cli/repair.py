@@ -103,6 +103,8 @@ def _repair_text(
             tried = counted(repair.tried, "set")
             were = "was" if repair.tried == 1 else "were"
             yield f"  no repair found: {tried} of edits {were} tried{end}"
+    if any(repair.mends and not repair.complete for repair in found):
+        yield "there may be more repairs: the search ends after a few"
 
 
 def _by_hand(consequence: Consequence) -> Iterator[str]:

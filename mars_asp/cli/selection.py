@@ -449,11 +449,12 @@ class Selection:
     def _is_whole(self, project: Project) -> bool:
         """Whether a project has all launch files that may start what comments are about.
 
-        Otherwise it is a workspace, or a package in none, and no launch file is chosen.
+        A project of ROS is whole as a workspace, or as a package in none, without a chosen launch
+        file; a mux file in a workspace is a part of it.
         """
         path = project.configuration.path
         if not project.trees:
-            return True
+            return project.format is None or workspace_of(path) is None
         if not os.path.isdir(path) or getattr(self._arguments, "launch", None):  # noqa: PTH112
             return False
         around = workspace_of(os.path.join(path, "_"))  # noqa: PTH118 -- may be `.`

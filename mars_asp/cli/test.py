@@ -135,6 +135,9 @@ def run_once(arguments: argparse.Namespace) -> int:
     if arguments.update and kept:
         way = visible(shlex.join(["mars-asp", "test", "--snapshot", *kept]))
         print(f"mars-asp test: to replace all lines of a snapshot: {way}", file=sys.stderr)
+    elif arguments.update and not all_pass:
+        advice = "delete lines that no longer hold: --update leaves what must be there, or must not"
+        print(f"mars-asp test: {advice}", file=sys.stderr)
     if problems:
         return 2
     return max(int(not all_pass or not outcomes), status)

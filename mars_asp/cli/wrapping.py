@@ -13,9 +13,9 @@ from mars_asp.output import counted, listing
 _COLUMNS = 80
 #: Text in fewer columns is unreadable.
 _FEWEST = 20
-#: A word, a short text between backticks, and a number with its unit. A backtick after a letter or
-#: a full stop closes the quoted text, even if that contains backticks.
-_WORD = rf"(?:(?<![\w.`])`[^`]{{0,40}}`|\d (?={UNIT})|\S)+"
+#: A word, a command or a short text between backticks, and a number with its unit. A backtick after
+#: a letter or a full stop closes the quoted text, even if that contains backticks.
+_WORD = rf"(?:(?<![\w.`])`(?:mars-asp [^`]*|[^`]{{0,40}})`|\d (?={UNIT})|\S)+"
 #: The rule or code at the end of a text.
 _REFERENCE = "(?:\x1b\\[[0-9;]*m)*\\[[^\\s\\[]*\\](?:\x1b\\[[0-9;]*m)*"
 _STYLE = re.compile("\x1b\\[[0-9;]*m")

@@ -616,7 +616,7 @@ def test_a_difference_shows_repairs_and_writes_nothing(robots: Path, capsys: Cap
     for option in ("--diff", "--fix"):
         run_here(["check", option, "choice.mars"])
         message = " ".join(capsys.readouterr().err.split())
-        assert "`mars-asp explain choice.mars --repair` shows all that there are" in message
+        assert "`mars-asp explain choice.mars --repair` shows those that there are" in message
     assert (robots / "twice.mars").read_text() == TWICE
     assert run_here(["check", "--diff", "clean.mars", "--quiet"]) == 0
     assert capsys.readouterr() == ("", "")

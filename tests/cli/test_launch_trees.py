@@ -623,3 +623,31 @@ def test_an_answer_has_one_line_on_the_notes_of_reading(capsys: Captured, tmp_pa
     ]
     assert run_here(["can", path, "Trans_X"]) == 2
     assert capsys.readouterr().err.startswith("<query>:1:1: error: found `Trans_X`, expected")
+
+
+MUX = """twist_mux:
+  ros__parameters:
+    topics:
+      joy: {topic: joy_vel, timeout: 0.5, priority: 10}
+      dock: {topic: dock_vel, timeout: 0.5, priority: 10}
+"""
+
+
+def test_a_mux_file_is_a_part_of_its_workspace(workspace: Path, capsys: Captured) -> None:
+    """A baseline of the workspace has findings that a file alone does not have."""
+    package = workspace / "src/drive"
+    mux = package / "config" / "twist_mux.yaml"
+    mux.parent.mkdir()
+    mux.write_text(MUX)
+    given = '<param from="$(find-pkg-share drive)/config/twist_mux.yaml"/>'
+    launch = f'<launch><node pkg="twist_mux" exec="twist_mux" name="twist_mux">{given}</node>'
+    (package / "launch" / "mux.launch.xml").write_text(f"{launch}</launch>")
+    assert run_here(["check", str(workspace), "--write-baseline", "known.json"]) == 0
+    before = Path("known.json").read_text()
+    assert "/twist_mux" in before
+    capsys.readouterr()
+    assert run_here(["check", str(mux), "--baseline", "known.json"]) == 0
+    assert "nothing any more" not in capsys.readouterr().err
+    assert run_here(["check", str(mux), "--write-baseline", "known.json"]) == 0
+    listed = [line.strip(" ,") for line in Path("known.json").read_text().splitlines()]
+    assert {line.strip(" ,") for line in before.splitlines()} <= {*listed}
