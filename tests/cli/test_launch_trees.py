@@ -625,7 +625,7 @@ def test_an_answer_has_one_line_on_the_notes_of_reading(capsys: Captured, tmp_pa
     assert capsys.readouterr().err.startswith("<query>:1:1: error: found `Trans_X`, expected")
 
 
-MUX = """twist_mux:
+TIED = """twist_mux:
   ros__parameters:
     topics:
       joy: {topic: joy_vel, timeout: 0.5, priority: 10}
@@ -638,7 +638,7 @@ def test_a_mux_file_is_a_part_of_its_workspace(workspace: Path, capsys: Captured
     package = workspace / "src/drive"
     mux = package / "config" / "twist_mux.yaml"
     mux.parent.mkdir()
-    mux.write_text(MUX)
+    mux.write_text(TIED)
     given = '<param from="$(find-pkg-share drive)/config/twist_mux.yaml"/>'
     launch = f'<launch><node pkg="twist_mux" exec="twist_mux" name="twist_mux">{given}</node>'
     (package / "launch" / "mux.launch.xml").write_text(f"{launch}</launch>")
