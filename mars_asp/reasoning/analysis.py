@@ -93,6 +93,8 @@ class Consequence:
     conditions: tuple[LaunchCondition, ...] = ()
     #: Whether the conditions hold with the stated defaults of the launch arguments.
     is_usual: bool = False
+    #: Whether it holds in one launch file of several.
+    is_of_one_tree: bool = False
 
 
 @dataclass(frozen=True, repr=False)
@@ -224,6 +226,8 @@ def read_consequences(
     trees = _collect(control, ("holds_in", 4), wanted)
     conditions = _conditions(analysis, wanted)
     usual = _collect(control, ("by_default", 3), wanted)
+    launched = {f.atom.arguments[1] for f in analysis.facts if f.atom.name == "launched"}
+    has_several = len(launched) > 1
     span_of = locations(analysis.facts)
     labels_of: dict[TermId, dict[Span, str]] = {}
     for label in labels(control, _STAGE, analysis.labelled) if analysis.labelled else ():
@@ -255,6 +259,7 @@ def read_consequences(
                 tuple(sorted(written(row[0]) for row in trees.get(key, ()))),
                 tuple(conditions.get(key, ())),
                 key in usual,
+                len(trees.get(key, ())) == 1 and has_several,
             )
         )
     consequences.sort(key=lambda c: (c.spans[0], c.kind, c.subject, c.message))
@@ -288,6 +293,8 @@ def _where(consequence: Consequence) -> Iterator[str]:
         texts = " and ".join(map(_condition_text, consequence.conditions))
         usual = ", as it is by default" if consequence.is_usual else ""
         yield f"It is so when {texts}{usual}."
+    if consequence.is_of_one_tree:
+        yield f"It holds in the launch file `{consequence.trees[0]}`."
     if len(consequence.trees) > 1:
         named = [f"`{tree}`" for tree in consequence.trees[:_MOST_TREES]]
         more = len(consequence.trees) - _MOST_TREES

@@ -651,3 +651,19 @@ def test_a_mux_file_is_a_part_of_its_workspace(workspace: Path, capsys: Captured
     assert run_here(["check", str(mux), "--write-baseline", "known.json"]) == 0
     listed = [line.strip(" ,") for line in Path("known.json").read_text().splitlines()]
     assert {line.strip(" ,") for line in before.splitlines()} <= {*listed}
+
+
+def test_a_finding_of_one_launch_file_of_several_names_it(
+    workspace: Path, capsys: Captured
+) -> None:
+    assert run_here(["check", str(workspace), "--format", "full"]) == 0
+    assert "It holds in" in capsys.readouterr().out
+    (workspace / "src/drive/launch/one.launch.xml").unlink()
+    assert run_here(["check", str(workspace), "--format", "full"]) == 0
+    assert "It holds in" not in capsys.readouterr().out
+    twins = "".join(f'<node pkg="joy" exec="joy_node" name="{n}"/>' for n in ("a", "a", "b"))
+    launch = workspace / "src/drive/launch/twins.launch.xml"
+    launch.write_text(f"<launch>{twins}</launch>")
+    assert run_here(["check", str(workspace), "--format", "full"]) == 0
+    named = " ".join(capsys.readouterr().out.split())
+    assert "It holds in the launch file `ws/src/drive/launch/twins.launch.xml`." in named

@@ -137,3 +137,19 @@ def test_a_mux_subscribes_to_the_topics_of_its_locks(
     assert run_here(["check", str(tmp_path), "--format", "json"]) == 0
     found = {each["kind"] for each in json.loads(capsys.readouterr().out)["findings"]}
     assert found - {"unheard_input"} == {finding} - {None}
+
+
+def test_a_wrong_mux_file_of_a_workspace_hides_no_other_finding(
+    tmp_path: Path, capsys: Captured
+) -> None:
+    given = '<param from="$(find-pkg-share mine)/config/mux.yaml"/>'
+    twin = '<node pkg="joy" exec="joy_node" name="twist_mux"/></launch>'
+    files = {
+        "launch/mux.launch.xml": LAUNCH.format("twist_mux", given).replace("</launch>", twin),
+        "config/mux.yaml": PARAMETERS.format("twist_mux").replace("priority", "prioirty"),
+    }
+    write_package(files, tmp_path)
+    assert run_here(["check", str(tmp_path), "--format", "json"]) == 0
+    found = json.loads(capsys.readouterr().out)["findings"]
+    assert {each["kind"] for each in found} == {"broken_file", "duplicate_node"}
+    assert "input `joy` has no `priority`" in "".join(each["message"] for each in found)

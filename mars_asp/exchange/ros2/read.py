@@ -1037,7 +1037,10 @@ class _WorkspaceRobot:
         try:
             document = read()
         except MarsError as error:
-            self.problems += error.diagnostics
+            # The rest of the workspace is judged without the mux.
+            for each in error.diagnostics:
+                name = f"{each.span.path}: {each.message}"
+                self.unread.append(Unread("parameter files with errors", name, each.span))
             return ()
         self.unread += document.unread
         self.problems += document.warnings
