@@ -11,7 +11,7 @@ from mars_asp.asp.cases.outcomes import difference
 from mars_asp.cli.encode import encoded
 from mars_asp.cli.lines import location_json
 from mars_asp.diagnostic import Diagnostic
-from mars_asp.output import visible
+from mars_asp.output import counted, visible
 
 
 class CaseFileResult(NamedTuple):
@@ -29,18 +29,20 @@ def print_outcomes(
     measured: Mapping[str, object],
     lines: Iterable[str],
     updated: Iterable[Path] = (),
+    wrong: int = 0,
 ) -> None:
     """Print the failed cases with expected and actual results, and the numbers of cases.
 
     `measured` holds further results for JSON, and `lines` the same results as text; `updated` are
-    the files with new expectations.
+    the files with new expectations, `wrong` is how many could not be run.
     """
     checks = [(outcome, check) for outcome in outcomes for check in outcome.checks]
     failed = sum(not check.passed for _, check in checks)
     passed = len(checks) - failed
     if arguments.format == "json":
         listed = [_check_json(outcome, check) for outcome, check in checks]
-        print(encoded({"passed": passed, "failed": failed, "cases": listed, **measured}))
+        numbers = {"passed": passed, "failed": failed, "errors": wrong}
+        print(encoded({**numbers, "cases": listed, **measured}))
         return
     for outcome, check in checks:
         if not check.passed:
@@ -51,7 +53,8 @@ def print_outcomes(
     for path in updated:
         print(f"wrote {visible(str(path))}")
     if not arguments.quiet:
-        print(f"{passed} passed, {failed} failed")
+        errors = f", {counted(wrong, 'file')} not run" if wrong else ""
+        print(f"{passed} passed, {failed} failed{errors}")
     for line in lines:
         print(line)
 

@@ -130,7 +130,8 @@ def run_once(arguments: argparse.Namespace) -> int:
         print("mars-asp test: mutants are tried when all cases pass", file=sys.stderr)
     arguments.mutate = arguments.mutate and all_pass
     result, lines, status = _measured(books, arguments)
-    print_outcomes(outcomes, arguments, result, lines, updated)
+    wrong = sum(each.outcome is None for each in ran)
+    print_outcomes(outcomes, arguments, result, lines, updated, wrong)
     kept = [str(each.path) for each in outcomes if not each.passed and _has_snapshot(each.path)]
     if arguments.update and kept:
         way = visible(shlex.join(["mars-asp", "test", "--snapshot", *kept]))
