@@ -276,6 +276,7 @@ def generate_launch_description():
 
 
 LOOP = "foreach({})\n add_executable({} src/a.cpp)\nendforeach()"
+BRANCHES = "if(A)\n set(X g)\nelse()\n set(X h)\nendif()\n"
 CHANGED = "set(ALL a b)\nlist(TRANSFORM ALL APPEND rip)\n"
 
 
@@ -292,6 +293,7 @@ CHANGED = "set(ALL a b)\nlist(TRANSFORM ALL APPEND rip)\n"
         ("arm/src/grip.cpp", LOOP.format("name IN ITEMS g h", "${name}rip"), True),
         ("arm/src/grip.cpp", "set(ALL g h)\n" + LOOP.format("x ${ALL}", "${x}rip"), True),
         ("arm/src/grip.cpp", "set(ALL a b)\n" + LOOP.format("x IN LISTS ALL", "${x}rip"), False),
+        ("arm/src/grip.cpp", BRANCHES + "add_executable(${X}rip a.cpp)", True),
         ("arm/src/grip.cpp", CHANGED + LOOP.format("x ${ALL}", "${x}"), True),
         ("arm/src/grip.cpp", CHANGED + LOOP.format("x IN LISTS ALL", "${x}"), True),
         ("arm/src/grip.cpp", LOOP.format("x a b", "${x}${SUFFIX}"), True),

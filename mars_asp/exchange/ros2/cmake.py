@@ -227,8 +227,11 @@ class _CMakeReader:
         is_followed = name == "list" and words[:1] == ["APPEND"]
         if name in _CHANGING and not is_followed:
             self.changed.update(words)
-        elif name == "set" and words and (used & self.changed or not used <= values.keys()):
-            self.changed.add(words[0])
+        elif name == "set" and words:
+            # Of two branches, the last one alone is in the values.
+            is_other = values.get(words[0], words[1:]) != words[1:]
+            if is_other or used & self.changed or not used <= values.keys():
+                self.changed.add(words[0])
         elif name in _NAMING or (name == "install" and words[:1] == ["PROGRAMS"]):
             is_known = used <= values.keys() and not used & self.changed
             self.targets.has_all_names &= is_known and not (used and "RENAME" in words)
