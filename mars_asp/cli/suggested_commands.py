@@ -1,12 +1,9 @@
 """Commands that messages suggest: further questions about the same robot, and missing extras."""
 
 import argparse
-import json
 import shlex
 import sys
-from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
-from urllib.parse import unquote, urlsplit
 
 from mars_asp.output import visible
 from mars_asp.reading import SHOWN_INPUT
@@ -51,6 +48,10 @@ def way_to_install(extra: str) -> str:
     >>> way_to_install("png").endswith("[png]'")
     True
     """
+    import json
+    from importlib.metadata import PackageNotFoundError, distribution
+    from urllib.parse import unquote, urlsplit
+
     try:
         origin = json.loads(distribution("mars-asp").read_text("direct_url.json") or "{}")
     except (PackageNotFoundError, ValueError):

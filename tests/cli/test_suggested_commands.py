@@ -3,6 +3,7 @@
 import json
 import shlex
 import sys
+from importlib import metadata
 from pathlib import Path
 from unittest.mock import Mock
 
@@ -123,5 +124,5 @@ def test_an_extra_is_added_in_the_way_of_the_installation(
     monkeypatch.setattr(sys, "prefix", str(tmp_path))
     monkeypatch.setattr(sys, "executable", "python")
     found = Mock(read_text=lambda name: origin)
-    monkeypatch.setattr(suggested_commands, "distribution", lambda name: found)
+    monkeypatch.setattr(metadata, "distribution", lambda name: found)
     assert suggested_commands.way_to_install("png") == expected
