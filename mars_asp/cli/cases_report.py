@@ -50,9 +50,9 @@ def print_outcomes(
             print(f"FAILED {visible(f'{outcome.path}{title}')}")
             for line in _failure_lines(check):
                 print(line)
-    for path in updated:
-        print(f"wrote {visible(str(path))}")
     if not arguments.quiet:
+        for path in updated:
+            print(f"wrote {visible(str(path))}")
         errors = f", {counted(wrong, 'file')} not run" if wrong else ""
         print(f"{passed} passed, {failed} failed{errors}")
     for line in lines:

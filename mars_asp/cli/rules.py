@@ -2,7 +2,7 @@
 
 import argparse
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -91,8 +91,7 @@ def run(arguments: argparse.Namespace) -> int:
     if action == "new":
         from mars_asp.cli.rules_new import new_pack
 
-        for path in new_pack(what, rulebook):
-            print(f"wrote {visible(path)}")
+        _report((f"wrote {visible(path)}" for path in new_pack(what, rulebook)), arguments)
         return 0
     as_json = arguments.format == "json"
     stages = (arguments.stage,) if arguments.stage else tuple(PURPOSES)
@@ -100,7 +99,7 @@ def run(arguments: argparse.Namespace) -> int:
         text = encoded(shown_json(rulebook, what)) if as_json else None
         print(text or safe(shown(rulebook, what, with_source=arguments.source)))
     elif action == "doc" and arguments.folder:
-        write_pages(rulebook, stages, what, arguments.folder)
+        _report([write_pages(rulebook, stages, what, arguments.folder)], arguments)
     elif action == "doc":
         print("# Rules\n")
         print(safe("\n".join(documents(rulebook, stages, what))))
@@ -129,6 +128,13 @@ def run(arguments: argparse.Namespace) -> int:
         installed = () if arguments.stage else _listed_packs()
         print("\n\n".join([*(_stage_list(rulebook, stage) for stage in stages), *installed]))
     return 0
+
+
+def _report(lines: Iterable[str], arguments: argparse.Namespace) -> None:
+    """Print lines that report what was done, unless `--quiet`."""
+    for line in lines:
+        if not arguments.quiet:
+            print(line)
 
 
 def _lint(packs: Sequence[Path], arguments: argparse.Namespace) -> int:

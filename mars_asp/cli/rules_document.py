@@ -53,8 +53,8 @@ def _is_of(path: str, pack: str | None) -> bool:
     return pack is None or (path.endswith(".lp") and Path(path).is_relative_to(pack))
 
 
-def write_pages(rulebook: Rulebook, stages: Iterable[str], pack: str | None, folder: str) -> None:
-    """Write a page for each file of rules into a folder, and an index of the pages."""
+def write_pages(rulebook: Rulebook, stages: Iterable[str], pack: str | None, folder: str) -> str:
+    """Write a page for each file of rules into a folder, and an index; return a report."""
     listed, written = ["# Rules", ""], 1
     Path(folder).mkdir(parents=True, exist_ok=True)
     for stage in stages:
@@ -71,7 +71,7 @@ def write_pages(rulebook: Rulebook, stages: Iterable[str], pack: str | None, fol
         listed += [""] if files else []
     write_file(str(Path(folder) / "index.md"), "\n".join(listed))
     index = visible(str(Path(folder) / "index.md"))
-    print(f"wrote {counted(written, 'page')}, {index} and those that it lists")
+    return f"wrote {counted(written, 'page')}, {index} and those that it lists"
 
 
 def file_document(path: str, stage: str, outline: Outline) -> str:

@@ -188,8 +188,9 @@ def _snapshot(found: Mapping[FoundCase, tuple[Path, ...]], arguments: argparse.N
         before = each.path.read_bytes()
         written.append((str(each.path), text.encode(), before))
     replace_files(written)
-    for path, _, _ in written:
-        print(f"wrote {visible(path)}")
+    if not arguments.quiet:
+        for path, _, _ in written:
+            print(f"wrote {visible(path)}")
     return 0
 
 

@@ -355,6 +355,9 @@ def test_a_snapshot_of_a_folder_takes_its_robots(
     capsys.readouterr()
     assert run_here(["test", "wheel-slip", "--snapshot"]) == 0
     assert capsys.readouterr().out == "wrote wheel-slip/cases/robot.mars\n"
+    for quiet in (["test", "wheel-slip", "--snapshot"], ["rules", "new", "other", "--trust"]):
+        assert run_here([*quiet, "-q"]) == 0
+        assert capsys.readouterr().out == ""
     assert run_here(["test", "wheel-slip/cases/wheel-slip.lp", "--snapshot"]) == 2
     Path("new").mkdir()
     Path("new/robot.mars").write_text(ROBOT)

@@ -442,6 +442,19 @@ def test_a_broken_file_that_another_includes_is_broken_once(tmp_path: Path) -> N
     assert text.endswith("launch/inner.launch.py: this is not Python: invalid syntax")
 
 
+def test_a_broken_source_is_placed_at_its_error(tmp_path: Path) -> None:
+    files = {
+        "package.xml": "<package><name>mine</name>"
+        "<export><build_type>ament_python</build_type></export></package>",
+        "setup.py": "setup(entry_points={'console_scripts': ['drive = mine.drive:main']})",
+        "mine/drive.py": "def main():\n    x = ((1, 2)\n",
+        "launch/a.launch.xml": '<launch><node pkg="mine" exec="drive"/></launch>',
+    }
+    write_package(files, tmp_path)
+    [tree] = import_ros2([("", str(tmp_path))]).trees
+    assert [(place.line, place.column) for _, place in tree.broken] == [(2, 9)]
+
+
 def test_a_namespace_made_at_run_time_is_noted_as_it_is_written() -> None:
     push = '<push_ros_namespace namespace="$(var robot)"/>'
     node = '<node pkg="joy" exec="joy_node" name="own"/>'

@@ -8,7 +8,7 @@ from functools import cache, cached_property
 from itertools import chain
 from pathlib import Path
 
-from mars_asp.diagnostic import MarsError, Span, point
+from mars_asp.diagnostic import MarsError, Span
 from mars_asp.exchange.ros2.interface import Interface
 from mars_asp.exchange.ros2.setup_files import scripts_of_configuration, scripts_of_setup
 from mars_asp.exchange.ros2.source_cpp import REGISTERS, parsed_file, read_cpp
@@ -95,10 +95,11 @@ class Programs:
         """Yield the modules of ROS 2 programs that are not valid Python, with the errors."""
         broken = self._python.broken
         files = {self.workspace.shown(file): file for file in self.workspace.files if broken}
-        for path, line, error in broken:
+        for place, error in broken:
+            path = place.path
             package = self.workspace.package_of(files[path]) if path in files else None
             if package is not None and package.is_of_ros2:
-                yield f"{path}: this is not Python: {error}", point(path, line, 1)
+                yield f"{path}: this is not Python: {error}", place
 
     def absent_entries(self) -> Iterator[AbsentFile]:
         """Yield the modules and functions of console scripts that their packages do not have.

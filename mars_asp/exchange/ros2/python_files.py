@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
+from mars_asp.diagnostic import Span, point
+
 #: A function from the name of a module to its text and shown path, None if not in the workspace.
 Find = Callable[[str], "tuple[str, str] | None"]
 T = TypeVar("T")
@@ -45,8 +47,8 @@ class PythonFiles:
         self._read: dict[str, SourceFile | None] = {}
         self._left = _MOST_FILES
         self._found: dict[tuple[object, ast.AST], Any] = {}
-        #: The files that are not Python, each with a line and an error.
-        self.broken: dict[tuple[str, int, str], None] = {}
+        #: The files that are not Python, each with the place of its error.
+        self.broken: dict[tuple[Span, str], None] = {}
 
     def file(self, module: str) -> SourceFile | None:
         """Return the file of a module, or None if it is not found or not Python."""
@@ -58,7 +60,8 @@ class PythonFiles:
             except SyntaxError as error:
                 self._read[module] = None
                 if found is not None and not is_newer(error):
-                    self.broken[found[1], error.lineno or 1, error.msg] = None
+                    place = point(found[1], error.lineno or 1, error.offset or 1)
+                    self.broken[place, error.msg] = None
         return self._read[module]
 
     def once(self, find: Callable[[ast.AST], T], part: ast.AST) -> T:
