@@ -80,7 +80,7 @@ FILES = {
         "alternatives "
         "annotation_edits changes "
         "connected blame edits explain "
-        "launch_trees diff_trees diff failed_value near_miss repair fix why_not "
+        "launch_trees diff_lines diff_trees diff failed_value near_miss repair fix why_not "
         "why_no_finding absences without"
     ),
     "exchange": (

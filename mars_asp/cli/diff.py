@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -12,7 +12,8 @@ from mars_asp.cli.encode import print_result
 from mars_asp.cli.inputs import beside, check_inputs, read_project, report_project, rulebook_for
 from mars_asp.cli.lines import line_at, lines_of, located_line_json
 from mars_asp.cli.wrapping import columns, wrapped
-from mars_asp.output import counted, visible
+from mars_asp.diagnostic import Span
+from mars_asp.output import visible
 from mars_asp.reasoning.budget import Budget
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.diff import Change, Difference, diff
@@ -20,6 +21,9 @@ from mars_asp.reasoning.rules import COSTS
 from mars_asp.reasoning.session import Reasoner
 from mars_asp.reasoning.synthesis import IntroducedNode
 from mars_asp.reasoning.synthesis.synthesise import Synthesis
+
+#: The most lines shown of a difference without consequences and nodes.
+_MOST_LINES = 20
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -97,7 +101,7 @@ def _cost_json(synthesis: Synthesis | None) -> dict[str, int] | None:
 
 def _resolves(change: Change[IntroducedNode], found: Difference) -> tuple[str, ...]:
     synthesis = found.old if change.new is None else found.new
-    return () if synthesis is None else synthesis.specification.resolves[change.item.name]
+    return () if synthesis is None else synthesis.specification.resolves.get(change.item.name, ())
 
 
 def difference_lines(found: Difference, coloured: bool, quiet: bool, width: int) -> Iterator[str]:
@@ -116,21 +120,27 @@ def difference_lines(found: Difference, coloured: bool, quiet: bool, width: int)
     if quiet:
         return
     if found.is_empty:
-        count = len({(span.path, span.line) for span in (*found.added, *found.removed)})
-        lines = f"{counted(count, 'line')} changed, but"
-        yield f"{lines} no consequence and no node" if count else "nothing changed"
+        lines = tuple(_changed_lines(found.added, found.removed))
+        yield "no consequence and no node changed, but lines:" if lines else "nothing changed"
+        yield from lines[:_MOST_LINES]
+        if (left := len(lines) - _MOST_LINES) > 0:
+            yield f"    and {left} more, which `--format json` lists"
     yield from _cost_line(found)
 
 
 def _causes(change: Change[Any]) -> Iterator[str]:
     if not change.cited and not change.unchanged:
         yield "    no line that it rests on changed"
-    for sign, spans in (("-", change.removed), ("+", change.added)):
+    yield from _changed_lines(change.added, change.removed)
+    for path, line, text in dict.fromkeys((s.path, s.line, line_at(s)) for s in change.unchanged):
+        yield visible(f"    = {path}:{line}: {text}  (unchanged, with another effect)")
+
+
+def _changed_lines(added: Iterable[Span], removed: Iterable[Span]) -> Iterator[str]:
+    for sign, spans in (("-", removed), ("+", added)):
         # A list of controllers is several relationships in one line.
         for path, line, text in dict.fromkeys((s.path, s.line, line_at(s)) for s in spans):
             yield visible(f"    {sign} {path}:{line}: {text}")
-    for path, line, text in dict.fromkeys((s.path, s.line, line_at(s)) for s in change.unchanged):
-        yield visible(f"    = {path}:{line}: {text}  (unchanged, with another effect)")
 
 
 def _cost_line(found: Difference) -> Iterator[str]:

@@ -6,11 +6,12 @@ such as bounds, count as well. The line is added or removed if its text, or that
 after it, differs as well; otherwise the same text has another effect in each configuration.
 """
 
+from bisect import bisect_left
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import zip_longest
+from itertools import chain, zip_longest
 from typing import Generic, Literal, TypeAlias, TypeVar
 
 import clingo
@@ -31,7 +32,8 @@ from mars_asp.reasoning.findings import MEANINGS
 from mars_asp.reasoning.launch_trees import STAGE, analyse_trees, launch_rules
 from mars_asp.reasoning.project import Project
 from mars_asp.reasoning.questions.blame import reasons
-from mars_asp.reasoning.questions.diff_trees import TreeLines, matching
+from mars_asp.reasoning.questions.diff_lines import FileLine, differing_lines, file_lines
+from mars_asp.reasoning.questions.diff_trees import TreeLines, differing_files, matching
 from mars_asp.reasoning.questions.unrealised import unrealised
 from mars_asp.reasoning.rules import load_rulebook
 from mars_asp.reasoning.session import Evidence, Reasoner
@@ -128,9 +130,17 @@ def diff(old: Reasoner, new: Reasoner, lines_of: LinesOf = lambda _: ()) -> Diff
     """
     are_launched = bool(old.project.trees and new.project.trees)
     before, after = (_Side(each, lines_of, are_launched) for each in (old, new))
-    before.compare(after)
-    after.compare(before)
+    gone, come = differing_lines(before.texts.lines, after.texts.lines)
+    before.compare(after, gone)
+    after.compare(before, come)
+    if are_launched:
+        before.differing, after.differing = differing_files(before.tree_lines, after.tree_lines)
     both = before.synthesis is not None and after.synthesis is not None
+    kinds = {side.project.configuration.kind for side in (before, after)}
+    nodes = [
+        chain(side.nodes(), side.declared_nodes() if kinds == {"specification"} else ())
+        for side in (before, after)
+    ]
     if are_launched:
         consequences = tuple(_changed_findings(before, after))
     else:
@@ -140,7 +150,7 @@ def diff(old: Reasoner, new: Reasoner, lines_of: LinesOf = lambda _: ()) -> Diff
         after.differing,
         before.differing,
         consequences,
-        tuple(_changes(before, after, before.nodes(), after.nodes())) if both else (),
+        tuple(_changes(before, after, *nodes)) if both else (),
         before.synthesis,
         after.synthesis,
         tuple(
@@ -181,14 +191,14 @@ class _Side:
         self.analysis, self.synthesis = evidence.analysis, reasoner.synthesis
         self.explainer = evidence.explainer
         project = reasoner.project
-        facts = (*reasoner.facts, *_unread_values(project))
+        self.facts = (*reasoner.facts, *_unread_values(project))
         #: Each fact with its text and relationship, without identifiers, which are of one file.
         self.texts_of: dict[str, tuple[str, str]] = {}
         #: The locations of each relationship, and the relationships at each location.
         self.places: dict[str, set[Span]] = {}
         self.relationships: dict[Span, set[str]] = {}
         entries: dict[Span, list[str]] = {}
-        for fact, of, text in _comparable(facts, project.rates):
+        for fact, of, text in _comparable(self.facts, project.rates):
             entries.setdefault(fact.span, []).append(text)
             self.texts_of[str(fact.atom)] = of, text
             if of:
@@ -206,8 +216,8 @@ class _Side:
         #: All lines that the other side lacks.
         self.differing: tuple[Span, ...] = ()
 
-    def compare(self, other: "_Side") -> None:
-        """Find the lines that the other side lacks; of repeated lines, the surplus."""
+    def compare(self, other: "_Side", lines: Iterable[FileLine]) -> None:
+        """Find the statements that the other side lacks, of which some `lines` differ."""
         are_alike = (self.project.format is None) == (other.project.format is None)
         left = Counter(item for facts in other.lines.values() for item in _items(facts, are_alike))
         changed = []
@@ -217,12 +227,10 @@ class _Side:
                 changed.append(span)
             left.subtract(items)
         self.surplus = Counter(self.texts_of.values()) - Counter(other.texts_of.values())
-        self.shown = self.texts.differing(changed, other.texts)
+        self.shown = self.texts.differing(changed, lines)
         self.changed = frozenset(self.shown)
         self.unchanged = frozenset(changed) - self.changed
         self.differing = tuple(sorted(set(self.shown.values())))
-        if self.is_launched:
-            self.differing = self.tree_lines.lines_beyond(other.tree_lines)
 
     def cited(self, spans: Iterable[Span]) -> set[Span]:
         """Return the differing lines among some locations."""
@@ -284,6 +292,25 @@ class _Side:
             key = (node.kind, str(term.arguments[0]))
             yield _DiffEntry(key, (node.term, *values), term, node, spans)
 
+    def declared_nodes(self) -> Iterator[_DiffEntry[IntroducedNode]]:
+        """Yield the nodes that a specification has already, each with the lines about it."""
+        ends = {f.atom.arguments[0]: f.atom.arguments[1:] for f in self.facts if _is_line(f)}
+        about: dict[object, list[tuple[str, Span]]] = {}
+        for fact in self.facts:
+            if str(fact.atom) in self.texts_of:
+                of, text = self.texts_of[str(fact.atom)]
+                first = fact.atom.arguments[0]
+                for name in ends.get(first, (first,)):
+                    about.setdefault(name, []).append((f"{of} {text}", fact.span))
+        configuration = self.project.configuration
+        for name in (module.text for module in configuration.modules):
+            kind = configuration.node_kind(name)
+            if kind is not None:
+                texts, spans = zip(*sorted(about[name]), strict=True)
+                term = clingo.Function("node", [clingo.String(name), clingo.Function(kind)])
+                node = IntroducedNode(name, kind, str(term))
+                yield _DiffEntry((kind, name), (kind, name, *texts), term, node, spans)
+
     def holds(self, symbol: clingo.Symbol) -> bool:
         atom = self.analysis.grounding.control.symbolic_atoms[symbol]
         taken = frozenset() if self.synthesis is None else self.synthesis.resolution.taken
@@ -301,35 +328,32 @@ class _Texts:
         starts: dict[str, set[int]] = {}
         for span in spans:
             starts.setdefault(span.path, set()).add(span.line)
-        self._file_lines = {path: [line.strip() for line in lines_of(path)] for path in starts}
+        files = {path: lines_of(path) for path in starts}
+        self._unknown = {path for path, lines in files.items() if not lines}
+        self.lines = [line for path in files for line in file_lines(path, "", files[path])]
         self._ends: dict[tuple[str, int], int] = {}
         for path, numbers in starts.items():
             ordered = sorted(numbers)
-            ends = [*ordered[1:], len(self._file_lines[path]) + 1]
+            ends = [*ordered[1:], len(files[path]) + 1]
             self._ends.update(((path, n), end) for n, end in zip(ordered, ends, strict=True))
 
-    def differing(self, spans: Iterable[Span], other: "_Texts") -> dict[Span, Span]:
-        """Return, for each statement that the other side lacks, its first differing line.
+    def differing(self, spans: Iterable[Span], lines: Iterable[FileLine]) -> dict[Span, Span]:
+        """Return, for each statement with one of `lines`, the first of these.
 
-        Of repeated lines only the surplus differs. Statements whose lines all occur there are left
-        out.
+        A statement of a file whose lines are not known differs as a whole.
         """
-        left = Counter(line for lines in self._file_lines.values() for line in lines)
-        left.subtract(line for lines in other._file_lines.values() for line in lines)
+        numbers: dict[str, list[int]] = {}
+        for each in lines:
+            numbers.setdefault(each.span.path, []).append(each.span.line)
         found: dict[tuple[str, int], int] = {}
         spans = tuple(spans)
         for span in spans:
-            key, lines = (span.path, span.line), self._file_lines[span.path]
-            if key in found:
-                continue
-            if not lines:
-                found[key] = span.line
-            for number in range(span.line, self._ends[key] if lines else 0):
-                text = lines[number - 1]
-                if text and left[text] > 0:
-                    left[text] -= 1
-                    found[key] = number
-                    break
+            statement, among = (span.path, span.line), numbers.get(span.path, ())
+            first = bisect_left(among, span.line)
+            if span.path in self._unknown:
+                found[statement] = span.line
+            elif first < len(among) and among[first] < self._ends[statement]:
+                found[statement] = among[first]
         return {
             span: span if line == span.line else point(span.path, line, 1)
             for span in spans
@@ -345,6 +369,9 @@ def _items(facts: _LineFacts, is_whole: bool) -> tuple[_LineFacts, ...]:
 def _unread_values(project: Project) -> Iterator[Fact]:
     """Yield facts of values that no rule of the analysis reads."""
     yield from mount_tuples("mount_tuple", project.configuration)
+    for conversion in project.configuration.conversions:
+        values = conversion.converter or "", conversion.source, conversion.target
+        yield Fact(Atom("conversion", (conversion.transformer, *values)), conversion.span)
     for module in project.described.values():
         for each in module.functions:
             bounds = (str(bound) for bound in (each.min, each.max, each.rate))
@@ -361,7 +388,7 @@ def _comparable(facts: Iterable[Fact], rates: Rates) -> Iterator[tuple[Fact, str
     of = {
         fact.atom.arguments[0]: " ".join(map(str, (fact.atom.name, *fact.atom.arguments[1:])))
         for fact in facts
-        if fact.atom.name in VERBS
+        if _is_line(fact)
     }
     for fact in facts:
         if fact.atom.name in _OBSERVED:
@@ -373,6 +400,11 @@ def _comparable(facts: Iterable[Fact], rates: Rates) -> Iterator[tuple[Fact, str
         words = map(str, rest if numbered else (first, *rest))
         of_line = of.get(first, "") if numbered else ""
         yield fact, of_line, f"{fact.atom.name}({','.join(words)})"
+
+
+def _is_line(fact: Fact) -> bool:
+    """Whether a fact is a relationship: of its number and its two ends."""
+    return fact.atom.name in VERBS
 
 
 def _changes(

@@ -16,13 +16,12 @@ from mars_asp.asp.trace.text import steps_of
 from mars_asp.asp.trace.tree import Absent, Given
 from mars_asp.diagnostic import Span, point
 from mars_asp.reasoning.findings import MEANINGS
+from mars_asp.reasoning.questions.diff_lines import FileLine, differing_lines, file_lines
 from mars_asp.reasoning.session import Evidence
 
 #: Facts that compare nodes, or locate them.
 _OBSERVED = frozenset({"place", "starts_like"})
 _ANYTHING = re.compile(r"(?<=[(,])_(?=[,)])")
-#: The path of a file, relative to the folder of the robot, and the text of a line.
-_Line = tuple[str, str]
 
 
 class _TreeFact(NamedTuple):
@@ -78,36 +77,25 @@ class TreeLines:
         self._starts: dict[str, list[int]] = {}
         for path, line in sorted({(fact.span.path, fact.span.line) for fact in facts}):
             self._starts.setdefault(path, []).append(line)
-        self._lines: dict[str, Sequence[str]] = {}
+        self._lines: dict[str, Sequence[FileLine]] = {}
 
     def _relative(self, text: str) -> str:
         # An argument of an atom may be in quotation marks.
         mark = '"' if text.startswith('"') else ""
         return f"{mark}{text.removeprefix(mark).removeprefix(self._prefix)}"
 
-    def stripped_lines(self, path: str) -> Sequence[str]:
-        """Return the lines of a file without the white space around them."""
+    def lines_in(self, path: str) -> Sequence[FileLine]:
+        """Return the lines of a file that are not blank."""
         if path not in self._lines:
-            self._lines[path] = [line.strip() for line in self._lines_of(path)]
+            lines = self._lines_of(path)
+            self._lines[path] = tuple(file_lines(path, self._relative(path), lines))
         return self._lines[path]
 
-    def _located(self, other: "TreeLines") -> Iterator[tuple[Span, _Line]]:
+    def lines_beside(self, other: "TreeLines") -> Iterator[FileLine]:
         """Yield the lines of the files that either robot has facts of."""
         also = (f"{self._prefix}{other._relative(path)}" for path in other._starts)
         for path in dict.fromkeys((*self._starts, *also)):
-            for number, text in enumerate(self.stripped_lines(path), 1):
-                if text:
-                    yield point(path, number, 1), (self._relative(path), text)
-
-    def lines_beyond(self, other: "TreeLines") -> tuple[Span, ...]:
-        """Return the lines that the other robot lacks; of repeated lines, the surplus."""
-        left = Counter(line for _, line in other._located(self))
-        found = []
-        for span, line in self._located(other):
-            left[line] -= 1
-            if left[line] < 0:
-                found.append(span)
-        return tuple(found)
+            yield from self.lines_in(path)
 
     def traces_of(self, atoms: Sequence[clingo.Symbol]) -> dict[clingo.Symbol, Trace]:
         """Return the traces of some findings."""
@@ -168,10 +156,17 @@ class TreeLines:
         found: set[Span] = set()
         for path, numbers in lines.items():
             own = f"{self._prefix}{other._relative(path)}"
-            blocks = SequenceMatcher(None, other.stripped_lines(path), self.stripped_lines(own))
+            there, here = other.lines_in(path), self.lines_in(own)
+            blocks = SequenceMatcher(None, [x.text for x in there], [x.text for x in here])
             for how, begin, end, first, last in blocks.get_opcodes():
-                if how == "replace" and any(begin < number <= end for number in numbers):
-                    found.update(point(own, number + 1, 1) for number in range(first, last))
+                wanted = [at for at in range(begin, end) if there[at].span.line in numbers]
+                if how != "replace" or not wanted:
+                    continue
+                if end - begin == last - first:
+                    # As many lines replace as many: each replaces one.
+                    found.update(here[first + at - begin].span for at in wanted)
+                else:
+                    found.update(line.span for line in here[first:last])
         return frozenset(found.intersection(differing))
 
     def split(
@@ -196,10 +191,18 @@ class TreeLines:
                 unchanged.add(span)
         return frozenset(changed), frozenset(unchanged)
 
-    def naming(self, words: Collection[str], spans: Iterable[Span]) -> frozenset[Span]:
+    def naming(self, words: Collection[str], spans: Collection[Span]) -> frozenset[Span]:
         """Return those of some locations whose line has one of the words."""
-        lines = ((span, self.stripped_lines(span.path)[span.line - 1]) for span in spans)
-        return frozenset(span for span, line in lines if any(word in line for word in words))
+        paths = {span.path for span in spans}
+        lines = {line.span: line.text for path in paths for line in self.lines_in(path)}
+        return frozenset(span for span in spans if any(word in lines[span] for word in words))
+
+
+def differing_files(old: TreeLines, new: TreeLines) -> tuple[tuple[Span, ...], tuple[Span, ...]]:
+    """Return the lines that each of two robots has and the other lacks."""
+    lines = differing_lines(old.lines_beside(new), new.lines_beside(old))
+    gone, come = (tuple(line.span for line in each) for each in lines)
+    return gone, come
 
 
 def _without_numbers(
