@@ -133,7 +133,7 @@ def test_the_help_of_a_verb_shows_its_example(name: str, capsys: Captured) -> No
         (["run", "a.mars", "--set", "x=3"], "--set: did you mean `--vary`?"),
         (["test", "--cov"], "--cov: did you mean `--coverage`?"),
         (["synthesise", "a.mars", "--release"], "unrecognized arguments: --release; see"),
-        (["topic", "list"], "did you mean `explain WORKSPACE TOPIC`?"),
+        (["topic", "list"], "did you mean `import ros2 WORKSPACE` or `explain WORKSPACE TOPIC`?"),
     ],
 )
 def test_suggestions_for_misspelt_words(words: list[str], message: str, capsys: Captured) -> None:
