@@ -92,10 +92,10 @@ FILES = {
     "exchange/ros2": (
         "actions commands names interface catalogue cmake python_files python_scopes "
         "python_written python_values python_expressions python_texts setup_files workspace "
-        "parameters cpp_code cpp_durations cpp_scopes cpp_texts cpp_handles source_cpp "
-        "source_python programs glue bridges conditions python_nodes python_tests python_evaluate "
-        "launch_python launch_markup launch_catalogue descriptions launch controllers muxes "
-        "read"
+        "parameters observations cpp_code cpp_durations cpp_scopes cpp_texts cpp_handles "
+        "source_cpp source_python programs glue bridges conditions python_nodes python_tests "
+        "python_evaluate launch_python launch_markup launch_catalogue descriptions launch "
+        "controllers muxes read"
     ),
     "exchange/twist_mux": "document read",
     "exchange/urdf": "angles document read write",

@@ -18,7 +18,7 @@ _BY_PARAMETER = re.compile(r"\{(?P<parameter>[^=#}]+)(?P<numbered>#)?(?:=(?P<def
 _PLACE = re.compile(r"^(?P<message>.*?) \(at line (?P<line>\d+), column (?P<column>\d+)\)$")
 _TOPICS = ("publishes", "measures", "subscribes", "optional")
 #: `read` is the source of an entry and has no effect.
-_TEXTS = ("plugin", "node", "namespace", "camera", "read")
+_TEXTS = ("plugin", "node", "namespace", "camera", "observes", "read")
 _FLAGS = ("guard", "clients", "listens", "spread", "sure")
 
 
@@ -124,7 +124,9 @@ def _interface_of(called: str, program: Mapping[str, object], text: str, path: s
             help_text = None if key in known else suggestion(key, known, f"one of {listing(known)}")
             message = f"`{key}` of `{called}` is not {expected}"
             raise _catalogue_error(path, message, place, help_text)
-    node, namespace, camera = map(program.get, ("node", "namespace", "camera"))
+    node, namespace, camera, observes = map(
+        program.get, ("node", "namespace", "camera", "observes")
+    )
     subscribed = (
         replace(each, image=str(camera)) if each.name == "camera_info" and camera else each
         for each in _topics(program.get("subscribes"))
@@ -145,6 +147,7 @@ def _interface_of(called: str, program: Mapping[str, object], text: str, path: s
         spread=program.get("spread") is True,
         is_name_sure=program.get("sure") is True,
         namespace=namespace if isinstance(namespace, str) else "",
+        observes=observes if isinstance(observes, str) else "",
     )
 
 

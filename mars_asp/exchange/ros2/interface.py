@@ -59,7 +59,8 @@ class Interface:
     given, or else below its name. `names` are those of its services, actions and, in ROS 1,
     parameters, which can also be renamed; `unnamed` is whether it has further ones. `namespace` is
     that of its node if the launch file gives it none, and `is_name_sure` is whether its name is the
-    same in every version.
+    same in every version. `observes` is the node in its process, `~` itself, whose parameters name
+    sources of observation, empty if none.
     """
 
     published: tuple[InterfaceTopic, ...] = ()
@@ -74,6 +75,7 @@ class Interface:
     names: tuple[InterfaceTopic, ...] = ()
     unnamed: bool = False
     namespace: str = ""
+    observes: str = ""
 
 
 def agreed(pairs: Iterable[tuple[str, T]]) -> dict[str, T | None]:

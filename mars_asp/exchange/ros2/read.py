@@ -36,6 +36,7 @@ from mars_asp.exchange.ros2.launch_python import NEWER
 from mars_asp.exchange.ros2.muxes import is_mux, mux_of, unbound
 from mars_asp.exchange.ros2.names import absolute, renamed
 from mars_asp.exchange.ros2.names import joined as name_in
+from mars_asp.exchange.ros2.observations import USUAL, observed
 from mars_asp.exchange.ros2.parameters import (
     PARAMETERS,
     GivenParameter,
@@ -752,7 +753,8 @@ class _WorkspaceRobot:
         if interface.spread and not started.name and started.namespace != "/":
             name = ""
         published = tuple(self._endpoints(interface.published, started, name, values))
-        subscribed = tuple(self._endpoints(interface.subscribed, started, name, values))
+        heard = (*interface.subscribed, *self._observed(interface, started, name))
+        subscribed = tuple(self._endpoints(heard, started, name, values))
         unread = any(each.sort in _OPEN for each in self.unread[before:])
         names = frozenset(
             absolute(written, started.namespace, name)
@@ -895,12 +897,34 @@ class _WorkspaceRobot:
 
     def _node_parameters(self, started: Started, full: str) -> Mapping[str, GivenParameter]:
         """Return the parameters of a node by name; `full` is the node's name."""
+        return {**self._file_parameters(started, full), **started.parameters}
+
+    def _file_parameters(self, started: Started, full: str) -> Mapping[str, GivenParameter]:
+        """Return the parameters that the files of a node have for the name `full`."""
         found: dict[str, GivenParameter] = {}
         for file in started.files:
             document = self.document(file)
             if document is not None:
                 found |= values_for(document, full)
-        return {**found, **started.parameters}
+        return found
+
+    def _observed(
+        self, interface: Interface, started: Started, name: str
+    ) -> Iterator[InterfaceTopic]:
+        """Yield the topics that parameters name as sources of observation of a node.
+
+        A file that cannot be read is taken to name what that of Nav2 does.
+        """
+        if interface.observes:
+            full = absolute(interface.observes, started.namespace, name)
+            is_own = interface.observes == "~"
+            of_files = self._file_parameters(started, full)
+            yield from observed({**of_files, **started.parameters} if is_own else of_files)
+            # A launch file of Nav2 that is given no file takes its own.
+            is_usual = started.is_rewritten and not started.files
+            documents = [self.document(file) for file in started.files]
+            if is_usual or started.has_further_files or None in documents:
+                yield USUAL
 
     def _bridge_file(
         self, started: Started, values: Mapping[str, GivenParameter]
