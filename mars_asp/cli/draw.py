@@ -4,6 +4,7 @@ import argparse
 import sys
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -170,7 +171,8 @@ def _box_and_port(
     for name in (visible(written), visible(module) if port is None else "", f"/{visible(written)}"):
         if name in names:
             return name, None
-    topics = {each.outlet for each in picture.lines if (each.outlet or "").startswith("/")}
+    outlets = {each.outlet for each in picture.lines if each.outlet is not None}
+    topics = {each for each in outlets if each.startswith("/")}
     if written in topics:
         return None, written
     # A module without a description has the ports that relationships name.
@@ -190,14 +192,14 @@ def _box_and_port(
         what, known = f"`{module}` has no port `{port}`", f"its ports are {', '.join(own)}"
         near, known = nearest(written, own), known if own else "no line joins a port of it"
     else:
-        what, known = (
-            f"`{written}` is not a module or port",
-            "--about takes MODULE, MODULE.PORT or a topic",
-        )
         # A port alone means that of its first sender.
         tails = (picture.boxes[line.tail] for line in picture.lines if line.outlet == written)
         sent = (f"{box.name}.{written}" for box in tails)
-        near = next(sent, None) or nearest(written, (*names, *ports, *filter(None, topics)))
+        alone = [each for each, (_, name) in ports.items() if name == written]
+        is_topic = alone and written.startswith("/")
+        what = f"`{written}` {'joins no two modules' if is_topic else 'is not a module or port'}"
+        known = "--about takes MODULE, MODULE.PORT or a topic"
+        near = next(chain(sent, alone), None) or nearest(written, (*names, *ports, *topics))
     help_text = f"did you mean `{near}`?" if near else known
     raise refusal("draw", what, project.configuration.path, help_text)
 

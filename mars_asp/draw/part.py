@@ -41,7 +41,8 @@ def about(picture: Picture, name: str | None, depth: int, port: str | None = Non
         found = {box for line in wire for box in (line.tail, line.head)}
     first = near if port is None else _neighbours(wire, len(picture.boxes))
     fringe = found
-    for step in range(depth):
+    # The boxes of a topic are one line apart already.
+    for step in range(1 if name is None else 0, depth):
         fringe = {other for each in fringe for other in (near if step else first)[each]} - found
         if not fringe:
             break

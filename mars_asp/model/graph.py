@@ -90,7 +90,7 @@ class Mux:
 
     `locks` stop the inputs of lower priorities. `numbers` and `inner` describe a cascade that was
     merged into one mux, as in `Muxed`. `renamed` are its remappings, and `names` its topics before
-    them, if all are known.
+    them, if all are known. `started` is the place where a launch file starts it.
     """
 
     name: str
@@ -105,6 +105,7 @@ class Mux:
     locks: tuple[MuxInput, ...] = ()
     renamed: tuple["Renaming", ...] = ()
     names: frozenset[str] | None = None
+    started: Span | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -185,15 +185,24 @@ def test_a_remark_is_drawn_whole() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "shown"),
+    ("name", "depth", "shown"),
     [
-        ("/cmd_vel", "/base_driver /dock /velocity_smoother"),
-        ("/base_driver./cmd_vel", "/base_driver /dock /velocity_smoother"),
-        ("/dock./cmd_vel", "/base_driver /dock"),
-        ("/scan", "/follow /lidar /patrol"),
+        ("/cmd_vel", 1, "/base_driver /dock /velocity_smoother"),
+        ("/cmd_vel", 2, "/base_driver /dock /twist_mux /velocity_smoother"),
+        ("/base_driver./cmd_vel", 1, "/base_driver /dock /velocity_smoother"),
+        ("/dock./cmd_vel", 1, "/base_driver /dock"),
+        ("/scan", 1, "/follow /lidar /patrol"),
     ],
 )
-def test_the_ends_of_a_topic_are_drawn(name: str, shown: str, capsys: Captured) -> None:
-    assert run_here(["draw", str(ROS2), "--about", name, "--as", "mmd", "-q"]) == 0
+def test_the_ends_of_a_topic_are_drawn(name: str, depth: int, shown: str, capsys: Captured) -> None:
+    words = ["--about", name, "--depth", str(depth), "--as", "mmd", "-q"]
+    assert run_here(["draw", str(ROS2), *words]) == 0
     boxes = re.findall(r'n\d+\["(/\w+)', capsys.readouterr().out)
     assert " ".join(sorted(boxes)) == shown
+
+
+def test_a_topic_that_joins_no_modules_is_refused_with_its_port(capsys: Captured) -> None:
+    assert run_here(["draw", str(ROS2), "--about", "/odometry"]) == 2
+    message = " ".join(capsys.readouterr().err.split())
+    assert "`/odometry` joins no two modules" in message
+    assert "did you mean `/patrol./odometry`?" in message

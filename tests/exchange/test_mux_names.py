@@ -153,3 +153,27 @@ def test_a_wrong_mux_file_of_a_workspace_hides_no_other_finding(
     found = json.loads(capsys.readouterr().out)["findings"]
     assert {each["kind"] for each in found} == {"broken_file", "duplicate_node"}
     assert "input `joy` has no `priority`" in "".join(each["message"] for each in found)
+
+
+def test_a_mux_is_at_the_node_that_starts_it_and_its_output_at_the_remapping(
+    tmp_path: Path, capsys: Captured
+) -> None:
+    lines = [
+        "<launch>",
+        '<node pkg="teleop_twist_keyboard" exec="teleop_twist_keyboard"/>',
+        '<node pkg="twist_mux" exec="twist_mux">',
+        '<param from="$(find-pkg-share mine)/config/mux.yaml"/>',
+        '<remap from="cmd_vel_out" to="cmd_vel"/>',
+        "</node>",
+        "</launch>",
+    ]
+    files = {
+        "launch/mux.launch.xml": "\n".join(lines),
+        "config/mux.yaml": PARAMETERS.format("twist_mux"),
+    }
+    write_package(files, tmp_path)
+    assert run_here(["explain", str(tmp_path), "ambiguous_priority", "--depth", "all", "-q"]) == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    file = f"{tmp_path}/launch/mux.launch.xml"
+    assert f"{lines[4]} it is a mux, which publishes `/cmd_vel`" in shown
+    assert f"{file}:3 {lines[2]} `{file}` starts `/twist_mux`" in shown

@@ -65,6 +65,7 @@ def mux_of(started: Started, name: str, full: str, given: Sequence[Mux]) -> Mux 
         inputs=inputs,
         locks=locks,
         names=names if is_known else None,
+        started=started.span,
     )
 
 

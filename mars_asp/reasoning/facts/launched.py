@@ -148,17 +148,22 @@ class _TreeFacts:
         yield _fact_at(span, name, number, *arguments)
         yield _fact_at(span, "place", number, span.path, span.line, span.column)
 
-    def of_start(self, started: GraphNode | Mux | Relay, package: str) -> tuple[int, list[Fact]]:
-        """Return the number of a node, mux or relay of `package`, and the facts of its start."""
-        found = list(self.with_place(started.span, "launched", self.tree.path, started.name))
+    def of_start(
+        self, started: GraphNode | Mux | Relay, package: str, span: Span
+    ) -> tuple[int, list[Fact]]:
+        """Return the number of a node, mux or relay of `package`, and the facts of its start.
+
+        `span` is the place where it is started.
+        """
+        found = list(self.with_place(span, "launched", self.tree.path, started.name))
         number = found[0].atom.arguments[0]
         assert isinstance(number, int)
-        found.append(_fact_at(started.span, "package_of", number, package))
+        found.append(_fact_at(span, "package_of", number, package))
         tests = [
             (each.variable, each.value, Atom(_WANTED[each.wanted])) for each in started.conditions
         ]
         alike = self.first.setdefault(frozenset(tests), number)
-        found.append(_fact_at(started.span, "starts_like", number, alike))
+        found.append(_fact_at(span, "starts_like", number, alike))
         for each, test in zip(started.conditions, tests, strict=True):
             found.append(_fact_at(each.span, "starts_if", number, *test))
             found += (_fact_at(each.span, "test_reads", each.variable, of) for of in each.reads)
@@ -166,7 +171,7 @@ class _TreeFacts:
 
     def of_node(self, node: GraphNode) -> Iterator[Fact]:
         """Yield the facts of a node: its names, topics, remappings and parameter files."""
-        number, facts = self.of_start(node, node.package)
+        number, facts = self.of_start(node, node.package, node.span)
         yield from facts
         flags = {
             "may_be_renamed": not node.is_named,
@@ -226,13 +231,15 @@ class _TreeFacts:
 
     def of_mux(self, mux: Mux) -> Iterator[Fact]:
         """Yield the facts of a mux: its output, parameter files and inputs."""
-        number, facts = self.of_start(mux, mux.engine)
+        span = mux.span if mux.started is None else mux.started
+        number, facts = self.of_start(mux, mux.engine, span)
         yield from facts
-        yield _fact_at(mux.span, "selects_for", number, Atom(mux.engine), mux.output)
+        renamed = (each.span for each in mux.renamed if each.target == mux.output)
+        yield _fact_at(next(renamed, span), "selects_for", number, Atom(mux.engine), mux.output)
         yield from self.of_files(number, mux.given)
         yield from self.of_renamings(number, mux)
         if mux.names is not None:
-            yield _fact_at(mux.span, "wholly_read", number)
+            yield _fact_at(span, "wholly_read", number)
         for each in mux.inputs:
             first, *others = self.with_place(
                 each.span, "selects", number, each.name, each.topic, min(each.priority, MOST)
@@ -248,7 +255,7 @@ class _TreeFacts:
 
     def of_relay(self, relay: Relay) -> Iterator[Fact]:
         """Yield the facts of a relay: its start, and the topics that it connects."""
-        number, facts = self.of_start(relay, "")
+        number, facts = self.of_start(relay, "", relay.span)
         yield from facts
         yield _fact_at(relay.span, "relays", number, relay.source, relay.target)
 
