@@ -442,6 +442,25 @@ def test_a_broken_file_that_another_includes_is_broken_once(tmp_path: Path) -> N
     assert text.endswith("launch/inner.launch.py: this is not Python: invalid syntax")
 
 
+@pytest.mark.parametrize(
+    ("launch", "words"), [("", "was found"), ("<launch><node", "could be read")]
+)
+def test_programs_count_as_started_without_a_readable_launch_file(
+    launch: str, words: str, tmp_path: Path
+) -> None:
+    files = {
+        "package.xml": "<package><name>mine</name>"
+        "<export><build_type>ament_python</build_type></export></package>",
+        "setup.py": "setup(entry_points={'console_scripts': ['drive = mine.drive:main']})",
+        "mine/drive.py": "import rclpy\nnode = rclpy.create_node('drive')\n",
+        **({"launch/a.launch.xml": launch} if launch else {}),
+    }
+    write_package(files, tmp_path)
+    messages = [note.message for note in import_ros2([("", str(tmp_path))]).warnings]
+    expected = f"no launch file {words}, so every program of the packages counts as started"
+    assert expected in messages
+
+
 def test_a_broken_source_is_placed_at_its_error(tmp_path: Path) -> None:
     files = {
         "package.xml": "<package><name>mine</name>"

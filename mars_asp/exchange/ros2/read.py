@@ -306,8 +306,10 @@ class _WorkspaceRobot:
             alone.started = list(self._alone(paths))
             if alone.started:
                 launched = [alone]
+                # The trees are of launch files that are not readable.
+                found = "could be read" if self.trees else "was found"
                 message = (
-                    f"no launch file {'starts a known node' if launches else 'was found'}, "
+                    f"no launch file {'starts a known node' if launches else found}, "
                     "so every program of the packages counts as started"
                 )
                 place = whole_file(self.workspace.shown(paths[0]))
