@@ -40,6 +40,7 @@ from mars_asp.cli.rules_kinds import Kind, kind_document, kind_json, kinds
 from mars_asp.diagnostic import Diagnostic, refusal
 from mars_asp.language.text_edits import Draft, LineEdit
 from mars_asp.output import fenced, replace_together, visible
+from mars_asp.reasoning.findings import kinds_of
 from mars_asp.reasoning.lint import LintResult, lint_files
 from mars_asp.reasoning.packs import MANIFEST, installed_packs, with_companions
 from mars_asp.reasoning.rules import STAGES, is_rule_base
@@ -333,7 +334,10 @@ def _stage_list(rulebook: Rulebook, stage: str) -> str:
     rules = tuple(speaking(rulebook, stage))
     width = max((len(rule.id) for rule in rules), default=0)
     lines = [
-        visible(f"{rule.id:<{width}}  {rule.span.path}:{rule.span.line}  {_sentence(rule)}")
+        visible(
+            f"{rule.id:<{width}}  {rule.span.path}:{rule.span.line}  {_sentence(rule)}"
+            + "".join(f" [{kind}]" for kind in sorted(kinds_of(rule) or ()))
+        )
         for rule in rules
     ]
     return "\n".join([f"{stage}: {PURPOSES[stage]}", *lines])

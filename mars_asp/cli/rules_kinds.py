@@ -32,9 +32,10 @@ def kinds(rulebook: Rulebook) -> dict[str, Kind]:
     found: dict[str, Kind] = {}
     brought = {each.kind: each for each in rulebook.brought if isinstance(each, PackKind)}
     for kind, name in node_names(brought.values()).items():
+        # A built-in rule with the word of a pack's kind means something else by it.
         rules = tuple(
             rule
-            for rule in rulebook.rules
+            for rule in (rulebook.of_packs if kind in brought else rulebook.rules)
             if rule.because
             and rule.stage not in _SENTENCES
             and kind in re.split(r"[\s(),]+", rule.text)

@@ -2,10 +2,13 @@
 
 import json
 import re
+from pathlib import Path
 
 import pytest
 
 from mars_asp.cli import run_here
+from mars_asp.reasoning.findings import consequence_kinds
+from mars_asp.reasoning.rules import STAGES, load_rulebook
 from tests.support.fixtures import Captured
 
 
@@ -48,6 +51,26 @@ def test_sentences_of_explanations_show_no_holes(capsys: Captured) -> None:
     assert "`S` feeds … modules, and a source" in capsys.readouterr().out
     run_here(["explain", "DataSplitter"])
     assert "account/" not in capsys.readouterr().out
+
+
+def test_the_list_of_rules_has_the_kind_of_each_finding(capsys: Captured) -> None:
+    assert run_here(["rules", "list"]) == 0
+    listed = capsys.readouterr().out
+    shown = {line.rpartition(" [")[2] for line in listed.splitlines() if line.endswith("]")}
+    assert {f"{kind}]" for kind in consequence_kinds(load_rulebook(stages=STAGES))} <= shown
+
+
+def test_a_kind_of_node_is_shown_with_the_rules_of_its_pack_alone(
+    tmp_path: Path, capsys: Captured
+) -> None:
+    pack = tmp_path / "slow"
+    pack.mkdir()
+    # A built-in rule has this word for a module that limits another one.
+    node = '[[node]]\nkind = "limiter"\nname = "Limiter"\ncarries = "control"\n'
+    head = 'name = "slow"\nversion = "1.0"\n\n'
+    (pack / "pack.toml").write_text(f'{head}{node}inputs = "one"\noutputs = "one"\n')
+    assert run_here(["rules", "show", "limiter", "--rules", str(pack)]) == 0
+    assert "bounds/limiter-class" not in capsys.readouterr().out
 
 
 def test_a_list_takes_no_name(capsys: Captured) -> None:
