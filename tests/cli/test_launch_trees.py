@@ -505,6 +505,40 @@ def test_a_difference_of_workspaces_has_the_lines_that_were_edited(
     assert {each["line"] for each in finding["added"]} <= {e["line"] for e in document["added"]}
 
 
+def test_a_file_of_another_name_differs_by_its_name_alone(
+    workspace: Path, capsys: Captured
+) -> None:
+    package = workspace / "src" / "drive"
+    (package / "launch" / "one.launch.xml").unlink()
+    (package / "launch" / "both.launch.xml").write_text(MUX)
+    (package / "config").mkdir()
+    (package / "config" / "mux.yaml").write_text(INPUTS)
+    shutil.copytree(workspace, "two")
+    new = Path("two/src/drive")
+    (new / "config" / "mux.yaml").rename(new / "config" / "inputs.yaml")
+    launch = new / "launch" / "both.launch.xml"
+    launch.write_text(MUX.replace("mux.yaml", "inputs.yaml"))
+    run_here(["diff", "ws", "two", "--format", "json"])
+    document = json.loads(capsys.readouterr().out)
+    for key in ("removed", "added"):
+        places = [(Path(each["path"]).name, each["line"]) for each in document[key]]
+        assert places == [("both.launch.xml", 3)]
+
+
+def test_a_source_that_nothing_starts_any_more_is_not_removed(
+    workspace: Path, capsys: Captured
+) -> None:
+    Path("ws/src/drive/launch/one.launch.xml").unlink()
+    shutil.copytree(workspace, "two")
+    launch = Path("two/src/drive/launch/both.launch.xml")
+    launch.write_text(launch.read_text().replace('exec="sender"', 'exec="gone"'))
+    run_here(["diff", "ws", "two", "--format", "json"])
+    document = json.loads(capsys.readouterr().out)
+    changes = [*document["consequences"], *document["nodes"]]
+    cited = {Path(line["path"]).name for each in changes for line in each["removed"]}
+    assert cited == {"both.launch.xml"}
+
+
 def test_folders_are_judged_each_by_itself(workspace: Path, capsys: Captured) -> None:
     shutil.copytree(workspace, "two")
     run_here(["check", str(workspace), "two", "--format", "json"])

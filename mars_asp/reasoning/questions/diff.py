@@ -130,11 +130,12 @@ def diff(old: Reasoner, new: Reasoner, lines_of: LinesOf = lambda _: ()) -> Diff
     """
     are_launched = bool(old.project.trees and new.project.trees)
     before, after = (_Side(each, lines_of, are_launched) for each in (old, new))
-    gone, come = differing_lines(before.texts.lines, after.texts.lines)
+    if are_launched:
+        gone, come = differing_files(before.tree_lines, after.tree_lines)
+    else:
+        gone, come = differing_lines(before.texts.lines, after.texts.lines)
     before.compare(after, gone)
     after.compare(before, come)
-    if are_launched:
-        before.differing, after.differing = differing_files(before.tree_lines, after.tree_lines)
     both = before.synthesis is not None and after.synthesis is not None
     kinds = {side.project.configuration.kind for side in (before, after)}
     nodes = [
@@ -185,7 +186,6 @@ class _Side:
             judged = analyse_trees(reasoner.project, rules)
             self.findings = judged.consequences
             launched = Evidence(launch_rules(rules), judged.facts, judged)
-        self.tree_lines = TreeLines(launched, reasoner.project.configuration.path, lines_of)
         evidence = reasoner.evidence(resolved=True)
         self.project, self.rulebook = reasoner.project, reasoner.rulebook
         self.analysis, self.synthesis = evidence.analysis, reasoner.synthesis
@@ -208,6 +208,8 @@ class _Side:
         self.surplus: Counter[tuple[str, str]] = Counter()
         self.lines = {span: tuple(sorted(texts)) for span, texts in entries.items()}
         self.texts = _Texts(self.lines, lines_of)
+        folder = project.configuration.path
+        self.tree_lines = TreeLines(launched, folder, lines_of, self.texts.paths)
         self.changed: frozenset[Span] = frozenset()
         #: Lines of both sides with another effect here.
         self.unchanged: frozenset[Span] = frozenset()
@@ -231,6 +233,8 @@ class _Side:
         self.changed = frozenset(self.shown)
         self.unchanged = frozenset(changed) - self.changed
         self.differing = tuple(sorted(set(self.shown.values())))
+        if self.is_launched:
+            self.differing = tuple(line.span for line in lines)
 
     def cited(self, spans: Iterable[Span]) -> set[Span]:
         """Return the differing lines among some locations."""
@@ -329,6 +333,7 @@ class _Texts:
         for span in spans:
             starts.setdefault(span.path, set()).add(span.line)
         files = {path: lines_of(path) for path in starts}
+        self.paths = tuple(files)
         self._unknown = {path for path, lines in files.items() if not lines}
         self.lines = [line for path in files for line in file_lines(path, "", files[path])]
         self._ends: dict[tuple[str, int], int] = {}

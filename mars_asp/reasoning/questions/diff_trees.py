@@ -61,9 +61,16 @@ class TreeLines:
     """The lines from which the launch trees of a robot were read, and the facts of each node."""
 
     def __init__(
-        self, evidence: Evidence | None, folder: str, lines_of: Callable[[str], Sequence[str]]
+        self,
+        evidence: Evidence | None,
+        folder: str,
+        lines_of: Callable[[str], Sequence[str]],
+        paths: Iterable[str],
     ) -> None:
-        """Take facts and findings of launch trees; paths are compared relative to the folder."""
+        """Take facts and findings of launch trees, and `paths` of further files to compare.
+
+        Paths are compared relative to the folder.
+        """
         folder = folder.rstrip("/")
         self._prefix = "" if folder == "." else f"{folder}/"
         self._evidence, self._lines_of = evidence, lines_of
@@ -77,6 +84,7 @@ class TreeLines:
         self._starts: dict[str, list[int]] = {}
         for path, line in sorted({(fact.span.path, fact.span.line) for fact in facts}):
             self._starts.setdefault(path, []).append(line)
+        self._paths = tuple(dict.fromkeys((*self._starts, *paths)))
         self._lines: dict[str, Sequence[FileLine]] = {}
 
     def _relative(self, text: str) -> str:
@@ -92,10 +100,16 @@ class TreeLines:
         return self._lines[path]
 
     def lines_beside(self, other: "TreeLines") -> Iterator[FileLine]:
-        """Yield the lines of the files that either robot has facts of."""
-        also = (f"{self._prefix}{other._relative(path)}" for path in other._starts)
-        for path in dict.fromkeys((*self._starts, *also)):
-            yield from self.lines_in(path)
+        """Yield the lines of the files that either robot has facts of.
+
+        A file that the other robot lacks may be one of it by another name.
+        """
+        also = (f"{self._prefix}{other._relative(path)}" for path in other._paths)
+        for path in dict.fromkeys((*self._paths, *also)):
+            if other.lines_in(f"{other._prefix}{self._relative(path)}"):
+                yield from self.lines_in(path)
+            else:
+                yield from file_lines(path, "", self._lines_of(path))
 
     def traces_of(self, atoms: Sequence[clingo.Symbol]) -> dict[clingo.Symbol, Trace]:
         """Return the traces of some findings."""
@@ -198,11 +212,11 @@ class TreeLines:
         return frozenset(span for span in spans if any(word in lines[span] for word in words))
 
 
-def differing_files(old: TreeLines, new: TreeLines) -> tuple[tuple[Span, ...], tuple[Span, ...]]:
+def differing_files(
+    old: TreeLines, new: TreeLines
+) -> tuple[tuple[FileLine, ...], tuple[FileLine, ...]]:
     """Return the lines that each of two robots has and the other lacks."""
-    lines = differing_lines(old.lines_beside(new), new.lines_beside(old))
-    gone, come = (tuple(line.span for line in each) for each in lines)
-    return gone, come
+    return differing_lines(old.lines_beside(new), new.lines_beside(old))
 
 
 def _without_numbers(
