@@ -45,8 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
     project = read_project(arguments, quietly=True)
     rulebook = rulebook_for(arguments, JUDGING if project.trees else ("resolve",))
     selection = Selection(arguments, rulebook)
-    messages, _ = selection.messages(project)
-    messages = (*messages, *unapplied_packs(project, rulebook))
+    messages, _ = selection.messages(project, unapplied_packs(project, rulebook))
     if not is_published(arguments):
         report(messages, arguments)
     analysis = judge_project(project, rulebook, arguments)

@@ -330,7 +330,7 @@ def judge(
             selection.restore(known)
             selected = selection.of(project, analysis, False, with_participants)
     one.mendable = 0 if arguments.fix else len(sole)
-    messages, hidden = selection.messages(project)
+    messages, hidden = selection.messages(project, unapplied_packs(project, rules(JUDGING)))
     one.hidden.update(hidden)
     unread = [d for d in messages if d.code == NOT_READ]
     one.append_results(Result(d) for d in messages if d.code != NOT_READ)
@@ -338,7 +338,7 @@ def judge(
         # The rules themselves fold findings of launch trees.
         one.instances = instances_of(project.configuration)
     one.append_results(_with_suggestions(results_of(selected), sole))
-    one.append_results(map(Result, (*unread, *unapplied_packs(project, rules(JUDGING)))))
+    one.append_results(map(Result, unread))
     # Until all robots are checked, others that include the file are judged by its old content.
     for path, _, _ in one.written:
         forget(path)

@@ -291,7 +291,7 @@ def _explained_findings(
         kind, bracket, name = subject.rpartition("(")
         spellings = (f"{kind}{bracket}{slash}{name.removeprefix('/')}" for slash in ("", "/"))
         answer = next(filter(None, map(explained_of, spellings)), None)
-    messages = (*selection.messages(project)[0], *unapplied_packs(project, rulebook))
+    messages, _ = selection.messages(project, unapplied_packs(project, rulebook))
     if answer is None:
         closing = _no_finding(project, analysis, rules, subject, of, arguments)
         if closing is None:

@@ -184,8 +184,10 @@ class Selection:
         for path, baseline in self._baselines.items():
             baseline.left = unused.get(path, baseline.entries).copy()
 
-    def messages(self, project: Project) -> tuple[tuple[Diagnostic, ...], Counter[str]]:
-        """Return the reported messages on reading a project, and how many each filter hides.
+    def messages(
+        self, project: Project, more: Iterable[Diagnostic] = ()
+    ) -> tuple[tuple[Diagnostic, ...], Counter[str]]:
+        """Return the reported messages on reading a project, and `more`, and the numbers of hidden.
 
         Errors are always reported, and warnings without a kind unless their code is ignored.
 
@@ -196,7 +198,7 @@ class Selection:
         commented = {(span.path, span.line, name) for each in ignores for name, span in each.kinds}
         shown: list[Diagnostic] = []
         hidden: Counter[str] = Counter()
-        for each in project.diagnostics:
+        for each in (*project.diagnostics, *more):
             if each.kind in ("broken_file", "missing_file") and project.trees:
                 # The analysis of launch trees has the same finding.
                 continue

@@ -73,10 +73,11 @@ class Settings(NamedTuple):
         """Return the paths of the rule packs, also of installed ones.
 
         Raises:
-            MarsError: a path lies outside.
+            MarsError: a path lies outside, or paths do not exist.
         """
         folder = Path(self.path).parent
         found: list[Path] = []
+        missing: list[Diagnostic] = []
         for number, each in enumerate(self.rules):
             self.check_named(each, "rules", number)
             path = Path(each)
@@ -87,6 +88,14 @@ class Settings(NamedTuple):
 
                 installed = installed_pack(path.name)
             found.append(installed or path)
+            if installed is None and not os.path.lexists(path):
+                from mars_asp.reasoning.packs import known_packs
+
+                advice = known_packs(path.name) or "name the folder of a rule pack"
+                message = f"`{each}`: no such file or folder"
+                missing.append(_settings_error(self, message, "rules", number, help_text=advice))
+        if missing:
+            raise MarsError(missing)
         return found
 
 

@@ -250,19 +250,17 @@ def _is_new(path: Path, seen: set[Path]) -> bool:
 
 
 def _missing_path(path: Path) -> Diagnostic:
+    message, span, advice = "no such file or folder", whole_file(str(path)), known_packs(path.name)
+    return Diagnostic("rules-missing", "error", message, span, help=advice, excerpt="")
+
+
+def known_packs(name: str) -> str | None:
+    """Return the help that names the installed packs, or that one like a name; None without any."""
     known = installed_packs()
-    near = nearest(path.name, known)
-    advice = f"did you mean the installed pack `{near}`?" if near else None
-    if known and advice is None:
-        advice = f"installed packs are {', '.join(f'`{each}`' for each in known)}"
-    return Diagnostic(
-        "rules-missing",
-        "error",
-        "no such file or folder",
-        whole_file(str(path)),
-        help=advice,
-        excerpt="",
-    )
+    near = nearest(name, known)
+    if near:
+        return f"did you mean the installed pack `{near}`?"
+    return f"installed packs are {', '.join(f'`{each}`' for each in known)}" if known else None
 
 
 def _empty(folder: Path) -> Iterator[Diagnostic]:

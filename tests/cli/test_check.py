@@ -505,6 +505,22 @@ def test_an_error_of_settings_is_reported_once_for_all_robots(
     assert "--isolated takes no settings, and --config names some" in capsys.readouterr().err
 
 
+def test_missing_packs_of_settings_are_at_their_entries(robots: Path, capsys: Captured) -> None:
+    (robots / "mars.toml").write_text('rules = ["gone", "lost"]\n')
+    assert run_here(["check", "clean.mars"]) == 2
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.partition(" error")[0] for line in lines] == ["mars.toml:1:10:", "mars.toml:1:18:"]
+
+
+def test_the_note_that_packs_judge_no_launch_trees_can_be_ignored(capsys: Captured) -> None:
+    pack = ROOT / "examples" / "packs" / "watchdog"
+    words = ["check", str(ROOT / "examples" / "ros2_workspace"), "--rules", str(pack)]
+    assert run_here(words) == 0
+    assert "rule packs judge configurations" in capsys.readouterr().err
+    assert run_here([*words, "--ignore", "launch"]) == 0
+    assert "rule packs judge configurations" not in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     "text", ["selct = []", 'select = ["nothing"]', "select = [", "baseline = 1"]
 )

@@ -6,7 +6,7 @@ only equal rates get equal numbers.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
 from math import ceil
@@ -14,7 +14,7 @@ from math import ceil
 from mars_asp.asp.solve.atoms import Fact, fact_at
 from mars_asp.model.declarations import Configuration, Data, Module, Service
 from mars_asp.model.ranges import MOST
-from mars_asp.model.rates import Rate
+from mars_asp.model.rates import Rate, as_written
 from mars_asp.model.remembered import remembered
 from mars_asp.reasoning.facts.ends import Ends
 
@@ -30,6 +30,8 @@ class Rates:
     _meant: Mapping[int, Fraction]
     #: The numbers of all rates in facts.
     _taken: Set[int]
+    #: The rates as they are written; of several texts the first one in the order of texts.
+    _written: Mapping[int, Rate] = field(default_factory=dict)
 
     @property
     def rounded(self) -> Sequence[int]:
@@ -58,6 +60,10 @@ class Rates:
             return Rate(Decimal(millihertz) / 1000)
         return meant if isinstance(meant, Rate) else Rate(meant)
 
+    def written(self, millihertz: int) -> Rate:
+        """Return the rate that a number in facts represents, as the user writes it."""
+        return self._written.get(millihertz) or self.hertz(millihertz)
+
 
 @remembered
 def rates_in(configuration: Configuration, described: Mapping[str, Module]) -> Rates:
@@ -67,9 +73,16 @@ def rates_in(configuration: Configuration, described: Mapping[str, Module]) -> R
 
 def rates_of(rates: Iterable[Fraction]) -> Rates:
     """Return distinct numbers of rates that are compared with each other, in the same order."""
-    every = {hz: hz for hz in rates}
+    every: dict[Fraction, Fraction] = {}
+    texts: dict[Fraction, Rate] = {}
+    for hz in rates:
+        every[hz] = hz
+        if isinstance(hz, Rate):
+            texts[hz] = min(texts.get(hz, hz), hz, key=as_written)
     if all((hz * 1000).denominator == 1 for hz in every):
-        return Rates({}, {}, {int(hz * 1000) for hz in every})
+        numbered = {hz: int(hz * 1000) for hz in every}
+        written = {numbered[hz]: rate for hz, rate in texts.items()}
+        return Rates({}, {}, {*numbered.values()}, written)
     ordered = sorted(every)
     numbers: list[int] = []
     for hz in ordered:
@@ -79,7 +92,10 @@ def rates_of(rates: Iterable[Fraction]) -> Rates:
         numbers[place] = min(number, MOST - (len(numbers) - 1 - place))
     moved = {hz: number for hz, number in zip(ordered, numbers, strict=True) if hz * 1000 != number}
     meant = {number: every[hz] for hz, number in moved.items()}
-    return Rates(moved, meant, frozenset(numbers))
+    written = {
+        number: texts[hz] for hz, number in zip(ordered, numbers, strict=True) if hz in texts
+    }
+    return Rates(moved, meant, frozenset(numbers), written)
 
 
 def _written_rates(

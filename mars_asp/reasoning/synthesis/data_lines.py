@@ -130,7 +130,7 @@ class DataLines:
             if isinstance(declared, Data) and declared.mode is not None:
                 return declared.mode, declared.hz
         rate = self._rates.get(line)
-        hz = None if rate is None else self._draft.rates.hertz(as_symbol(rate).number)
+        hz = None if rate is None else self._draft.rates.written(as_symbol(rate).number)
         return _mode(self._modes[line]), hz
 
 

@@ -35,6 +35,17 @@ def test_numbers_are_in_the_exact_order_and_represent_one_rate_each(rates: list[
     assert list(result.rounded) == rounded
 
 
+@few
+@given(rates)
+def test_a_number_stands_for_a_rate_as_it_is_written(rates: list[Rate]) -> None:
+    result, other = rates_of(rates), rates_of(reversed(rates))
+    for hz in rates:
+        shown = result.written(result.millihertz(hz))
+        texts = [each.written for each in rates if each == hz]
+        assert shown == hz
+        assert shown.written == min(texts) == other.written(other.millihertz(hz)).written
+
+
 def test_holds_are_compared_with_exact_periods() -> None:
     """A hold is short if it is less than the time between two messages, whatever their sizes."""
     rng = random.Random(36)
