@@ -37,7 +37,7 @@ def test_numbers_are_in_the_exact_order_and_represent_one_rate_each(rates: list[
 
 @few
 @given(rates)
-def test_a_number_stands_for_a_rate_as_it_is_written(rates: list[Rate]) -> None:
+def test_a_number_has_the_text_of_its_rate(rates: list[Rate]) -> None:
     result, other = rates_of(rates), rates_of(reversed(rates))
     for hz in rates:
         shown = result.written(result.millihertz(hz))
