@@ -8,15 +8,16 @@ import hashlib
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import Any, TypeAlias
 from urllib.parse import quote
 
 from mars_asp import __version__
 from mars_asp.asp.rules.rule import HOLE, Rule
+from mars_asp.cli.baseline import known_of
 from mars_asp.cli.diagnostic_text import Suggestion
 from mars_asp.cli.lines import lines_of
-from mars_asp.cli.results import Result, seen_from_root
+from mars_asp.cli.results import Result, root_of, seen_from_root
 from mars_asp.diagnostic import Span
 from mars_asp.language.text_edits import LineEdit, common_length
 from mars_asp.output import visible
@@ -141,9 +142,10 @@ def _result(result: Result, numbers: Mapping[str, int]) -> _Json:
     if result.suggestion is not None and result.has_file:
         entry |= _fixes(result.suggestion)
     if consequence is not None:
-        parts = (consequence.kind, consequence.subject, *consequence.participants)
+        # The fingerprint stays when lines move, and from whichever folder the file is named.
+        known = known_of(consequence, str(root_of(Path.cwd()) / "baseline.json"))
+        parts = (known.kind, known.subject, *known.participants)
         digest = hashlib.sha256("\0".join(parts).encode("utf-8", "surrogatepass")).hexdigest()
-        # The fingerprint stays when lines move.
         entry["partialFingerprints"] = {"marsFinding/v1": digest[:32]}
         entry["properties"] = {
             "kind": consequence.kind,

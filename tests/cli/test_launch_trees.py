@@ -400,8 +400,17 @@ def test_a_baseline_holds_in_every_working_folder(
     assert run_here(["check", "ws", "--write-baseline", "known.json"]) == 0
     finding = json.loads(Path("known.json").read_text())["findings"][0]
     assert finding["subject"] == "ws/src/drive/config/p.yaml"
-    monkeypatch.chdir(package)
+    Path(".git").mkdir()
     capsys.readouterr()
+
+    def fingerprints(path: str) -> list[dict[str, str]]:
+        assert run_here(["check", path, "--format", "sarif", "-q"]) == 0
+        [run] = json.loads(capsys.readouterr().out)["runs"]
+        return [each["partialFingerprints"] for each in run["results"]]
+
+    before = fingerprints("ws")
+    monkeypatch.chdir(package)
+    assert fingerprints(".") == before
     assert run_here(["check", ".", "--baseline", "../../../known.json"]) == 0
     assert "not reported: 1 in the baseline" in capsys.readouterr().err
 
