@@ -7,7 +7,7 @@ import glob
 import os
 import re
 import stat
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from operator import attrgetter
@@ -182,10 +182,36 @@ def extract(
         if is_outside(file, around):
             hide_lines(str(file))
             wrong = tuple(_hidden(file, wrong, place))
+        elif place is not None and path == file:
+            # The file with the name is at fault, if the other one is as a whole.
+            wrong = tuple(
+                each if each.span.line else replace(each, span=place, excerpt=None)
+                for each in wrong
+            )
         modules += found
         problems += wrong
+    read = {*(each.span for each in modules), *(each.span for each in problems)}
+    problems += _unannotated(named_at, read)
     problems += repeated(modules)
     return Extraction(tuple(modules), by_place(problems))
+
+
+def _unannotated(named_at: Mapping[Path, Span], found: Set[Span]) -> Iterator[Diagnostic]:
+    """Yield a warning for each place that names sources without any annotation.
+
+    `found` are the locations of modules and mistakes.
+    """
+    names = {f"{span.path}/" for span in found}
+    places: dict[Span, list[Path]] = {}
+    for path, place in named_at.items():
+        places.setdefault(place, []).append(path)
+    for place, paths in places.items():
+        within = tuple(f"{path}/" for path in paths)
+        if place not in found and not any(name.startswith(within) for name in names):
+            one = f"no annotated module in `{paths[0]}`"
+            message = one if len(paths) == 1 else f"no annotated module in these {len(paths)} paths"
+            advice = "annotate a source there, or leave it out"
+            yield Diagnostic("annotations-missing", "warning", message, place, help=advice)
 
 
 def _hidden(file: Path, wrong: Sequence[Diagnostic], place: Span | None) -> Iterator[Diagnostic]:

@@ -120,3 +120,38 @@ def test_a_module_in_sources_and_in_the_configuration_is_reported(tmp_path: Path
     problem = refusal(load_project, str(path))
     places = {problem.span.path, *(label[0].path for label in problem.labels)}
     assert {Path(place).name for place in places} == {"a.cpp", "config.mars"}
+
+
+@pytest.mark.parametrize(
+    ("files", "names", "columns"),
+    [
+        ({}, "src", [10]),
+        ({"src/x.py": "x = 1\n", "src/y.txt": ""}, "src", [10]),
+        ({"src/x.py": "x = 1\n"}, "src/*.py", [10]),
+        ({"src/a.cpp": MODULE.format(name="A")}, "src, other", [15]),
+        ({"src/a.cpp": MODULE.format(name="A"), "src/x.py": "x = 1\n"}, "src, src/a.cpp", []),
+        ({"src/a.cpp": MODULE.format(name="A"), "src/x.py": "x = 1\n"}, "src/*", []),
+    ],
+)
+def test_sources_without_annotations_are_reported(
+    files: dict[str, str], names: str, columns: list[int], tmp_path: Path
+) -> None:
+    (tmp_path / "src").mkdir()
+    (tmp_path / "other").mkdir()
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    path = tmp_path / "config.mars"
+    path.write_text(f"@configuration\n@sources {names}\n@modules A, B\nB uses_data_from A\n")
+    found = load_project(str(path)).diagnostics
+    assert [(d.code, d.severity) for d in found] == [("annotations-missing", "warning")] * len(
+        columns
+    )
+    assert [d.span.column for d in found] == columns
+
+
+def test_a_source_in_another_language_is_reported_where_it_is_named(tmp_path: Path) -> None:
+    (tmp_path / "notes.txt").touch()
+    path = tmp_path / "config.mars"
+    path.write_text("@configuration\n@sources notes.txt\n@modules A\n")
+    problem = refusal(load_project, str(path))
+    assert (problem.code, problem.span.location) == ("MARS306", f"{path}:2:10")

@@ -347,6 +347,29 @@ def test_a_continuation_of_nothing_is_an_error(tmp_path: Path, capsys: Captured)
     assert run_here(["test", str(case)]) == 0
 
 
+@pytest.mark.parametrize(
+    ("lines", "place"),
+    [
+        ("# expect error class_mismatch(B)\n", "r.mars:4:1"),
+        ("A is_controlled_by B  // expect: error class_mismatch(B)\n", "r.mars:4:23"),
+        ("// expect\n# expect nodes: DataSplitter 0\n", "r.mars:4:1"),
+    ],
+)
+def test_an_expectation_without_its_form_is_an_error(
+    lines: str, place: str, tmp_path: Path, monkeypatch: Patch, capsys: Captured
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("r.mars").write_text(f"@configuration\n@modules A, B\nB uses_data_from A\n{lines}")
+    for path in (".", "r.mars"):
+        assert run_here(["test", path]) == 2
+        assert f"{place}: error: this is not an expectation" in capsys.readouterr().err
+    Path("r.mars").write_text(
+        "@configuration\n@modules A, B\nB uses_data_from A\n"
+        "// expected: nothing\n# expect nodes: DataSplitter 0\n"
+    )
+    assert run_here(["test", "."]) == 0
+
+
 def test_a_snapshot_of_a_folder_takes_its_robots(
     tmp_path: Path, monkeypatch: Patch, capsys: Captured
 ) -> None:

@@ -29,6 +29,11 @@ _LINE = re.compile(
     r"(?P<rest>.*?)[ \t\r]*$",
     re.MULTILINE,
 )
+#: A comment that looks like an expectation, but lacks a colon or stands after a statement.
+_MALFORMED = re.compile(
+    r"^[ \t]*(?:(?:#|//)[ \t]*expect(?!\w)|[^\s#/].*(?:#|//)[ \t]*expect(?:[ \t]+\w+)?:)",
+    re.MULTILINE,
+)
 _FINDING = re.compile(
     r"(?:(?P<severity>note|warning|error)[ \t]+)?(?P<kind>[a-z]\w*)[ \t]*"
     r"(?:\((?P<subject>[^)]*)\))?(?:[ \t]+at[ \t]+(?P<lines>\d+(?:[ \t]*,[ \t]*\d+)*))?"
@@ -92,9 +97,10 @@ class ExpectationLine:
 def is_case(path: Path) -> bool:
     """Whether a configuration contains an expectation."""
     try:
-        return _LINE.search(read_text(path)) is not None
+        text = read_text(path)
     except MarsError:
         return False
+    return any(pattern.search(text) is not None for pattern in (_LINE, _MALFORMED))
 
 
 def snapshot(path: Path, rulebook: Rulebook) -> str:
@@ -268,6 +274,12 @@ def _expectation_lines(text: str, robot: _Robot) -> tuple[ExpectationLine, ...]:
             what = " ".join(match["what"].split())
             before = line[: match.start("rest")]
             found.append(_expectation_line(what, before, match["rest"], span, robot, problems))
+        elif malformed := _MALFORMED.match(line):
+            begin = max(malformed[0].rfind("#"), malformed[0].rfind("//")) + 1
+            advice = "write it as a comment on a line of its own, as `# expect: KIND` or "
+            advice += "`# expect nodes: NAME NUMBER`"
+            place = point(robot.path, number, begin)
+            problems.append(_case_error("this is not an expectation", place, advice))
     if problems:
         raise MarsError(problems)
     return tuple(found)
