@@ -29,7 +29,7 @@ _LINE = re.compile(
     r"(?P<rest>.*?)[ \t\r]*$",
     re.MULTILINE,
 )
-#: A comment that looks like an expectation, but lacks a colon or stands after a statement.
+#: A comment that looks like an expectation, but has no colon or follows a statement.
 _MALFORMED = re.compile(
     r"^[ \t]*(?:(?:#|//)[ \t]*expect(?!\w)|[^\s#/].*(?:#|//)[ \t]*expect(?:[ \t]+\w+)?:)",
     re.MULTILINE,
