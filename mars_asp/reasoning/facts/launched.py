@@ -65,7 +65,7 @@ def _similar_names(trees: Sequence[LaunchTree]) -> Iterator[Fact]:
     heard = {end.topic: end.span for node in nodes for end in node.subscribed}
     muxes = [mux for tree in trees for mux in tree.muxes]
     heard |= {each.topic: each.span for mux in muxes for each in (*mux.inputs, *mux.locks)}
-    sent = {end.topic for node in nodes for end in node.published}
+    sent = {end.topic for node in nodes for end in node.published} | {mux.output for mux in muxes}
     free = sorted(sent - heard.keys())
     unread = sorted({node.name for node in nodes if node.unread})
     for topic, span in heard.items():

@@ -213,8 +213,8 @@ class _Side:
         self.changed: frozenset[Span] = frozenset()
         #: Lines of both sides with another effect here.
         self.unchanged: frozenset[Span] = frozenset()
-        #: For a changed annotation with equal text, the first line after it that differs.
-        self.shown: dict[Span, Span] = {}
+        #: For each changed statement its differing lines: of an annotation the first one.
+        self.shown: dict[Span, tuple[Span, ...]] = {}
         #: All lines that the other side lacks.
         self.differing: tuple[Span, ...] = ()
 
@@ -229,16 +229,19 @@ class _Side:
                 changed.append(span)
             left.subtract(items)
         self.surplus = Counter(self.texts_of.values()) - Counter(other.texts_of.values())
-        self.shown = self.texts.differing(changed, lines)
+        lines = tuple(lines)
+        is_foreign = self.project.format is not None
+        self.shown = self.texts.differing(changed, lines, whole=is_foreign)
         self.changed = frozenset(self.shown)
         self.unchanged = frozenset(changed) - self.changed
-        self.differing = tuple(sorted(set(self.shown.values())))
-        if self.is_launched:
+        self.differing = tuple(sorted(set(chain(*self.shown.values()))))
+        if is_foreign and other.project.format is not None:
+            # Much of a foreign file, such as the topic of an input, is in no fact.
             self.differing = tuple(line.span for line in lines)
 
     def cited(self, spans: Iterable[Span]) -> set[Span]:
         """Return the differing lines among some locations."""
-        return {self.shown[span] for span in spans if span in self.shown}
+        return {each for span in spans for each in self.shown.get(span, ())}
 
     def given(self, trace: Trace) -> set[Span]:
         """Return the locations of the differing facts on which a trace rests."""
@@ -342,28 +345,30 @@ class _Texts:
             ends = [*ordered[1:], len(files[path]) + 1]
             self._ends.update(((path, n), end) for n, end in zip(ordered, ends, strict=True))
 
-    def differing(self, spans: Iterable[Span], lines: Iterable[FileLine]) -> dict[Span, Span]:
-        """Return, for each statement with one of `lines`, the first of these.
+    def differing(
+        self, spans: Iterable[Span], lines: Iterable[FileLine], whole: bool
+    ) -> dict[Span, tuple[Span, ...]]:
+        """Return, for each statement with one of `lines`, the first of these, or all if `whole`.
 
         A statement of a file whose lines are not known differs as a whole.
         """
         numbers: dict[str, list[int]] = {}
         for each in lines:
             numbers.setdefault(each.span.path, []).append(each.span.line)
-        found: dict[tuple[str, int], int] = {}
-        spans = tuple(spans)
+        found: dict[Span, tuple[Span, ...]] = {}
         for span in spans:
-            statement, among = (span.path, span.line), numbers.get(span.path, ())
+            among = numbers.get(span.path, ())
             first = bisect_left(among, span.line)
+            last = bisect_left(among, self._ends[span.path, span.line])
+            within = among[first : last if whole else min(last, first + 1)]
             if span.path in self._unknown:
-                found[statement] = span.line
-            elif first < len(among) and among[first] < self._ends[statement]:
-                found[statement] = among[first]
-        return {
-            span: span if line == span.line else point(span.path, line, 1)
-            for span in spans
-            if (line := found.get((span.path, span.line))) is not None
-        }
+                found[span] = (span,)
+            elif within:
+                # The column of a statement is known at its first line alone.
+                found[span] = tuple(
+                    span if line == span.line else point(span.path, line, 1) for line in within
+                )
+        return found
 
 
 def _items(facts: _LineFacts, is_whole: bool) -> tuple[_LineFacts, ...]:

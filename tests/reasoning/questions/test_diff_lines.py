@@ -96,3 +96,15 @@ def test_the_changed_lines_of_two_mux_files_are_shown(tmp_path: Path, capsys: Ca
     lines = [line for line in out.splitlines() if ".yaml:" in line]
     changed = {line.split(str(tmp_path))[-1] for line in lines}
     assert changed == {"/old.yaml:14: timeout: 0.0", "/new.yaml:14: timeout: 0.5"}
+
+
+def test_topics_of_a_mux_file_are_lines_that_differ(tmp_path: Path, capsys: Captured) -> None:
+    head = ["twist_mux:", "  ros__parameters:"]
+    for name, topic in (("old", "joy_vel"), ("new", "cmd_vel_joy")):
+        inputs = {**INPUTS, "joy": [f"topic: {topic}", "timeout: 0.5", "priority: 100"]}
+        lines = head + [f"    {line}" for line in mux(inputs)]
+        (tmp_path / f"{name}.yaml").write_text("\n".join(lines) + "\n")
+    run_here(["diff", str(tmp_path / "old.yaml"), str(tmp_path / "new.yaml")])
+    out = capsys.readouterr().out
+    lines = [line.split(str(tmp_path))[-1] for line in out.splitlines() if ".yaml:" in line]
+    assert lines == ["/old.yaml:13: topic: joy_vel", "/new.yaml:13: topic: cmd_vel_joy"]
