@@ -1,6 +1,7 @@
 """Compare two configurations: consequences, nodes and costs, with the lines that changed them."""
 
 import argparse
+import shlex
 import sys
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -45,9 +46,21 @@ def run(arguments: argparse.Namespace) -> int:
     rulebook, budget = rulebook_for(arguments), Budget(arguments.time_limit)
     found = diff(Reasoner(old, rulebook, budget), Reasoner(new, rulebook, budget), lines_of)
     coloured, width = colours(arguments, sys.stdout), columns(sys.stdout)
-    lines = difference_lines(found, coloured, arguments.quiet, width)
+    lines = [*difference_lines(found, coloured, arguments.quiet, width)]
+    if old.configuration.kind != new.configuration.kind and not arguments.quiet:
+        lines += _after_kinds(old, new, width)
     print_result(arguments, lambda: difference_json(found), lines)
     return int(found.has_new_errors)
+
+
+def _after_kinds(old: Project, new: Project, width: int) -> Iterator[str]:
+    """Yield the lines on a specification beside a configuration, with the command that fits."""
+    is_old = old.configuration.kind == "specification"
+    name, (specification, other) = ("OLD", (old, new)) if is_old else ("NEW", (new, old))
+    text = f"{name} is a specification and has its nodes already; to judge it by the other:"
+    yield from wrapped(text, width)
+    paths = specification.configuration.path, other.configuration.path
+    yield f"    {visible(shlex.join(['mars-asp', 'verify', *paths]))}"
 
 
 def comparable(old: Project, new: Project) -> tuple[Project, Project]:

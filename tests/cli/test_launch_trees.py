@@ -514,6 +514,33 @@ def test_a_difference_of_workspaces_has_the_lines_that_were_edited(
     assert {each["line"] for each in finding["added"]} <= {e["line"] for e in document["added"]}
 
 
+def test_a_file_that_is_installed_now_is_in_its_build_file(
+    workspace: Path, capsys: Captured
+) -> None:
+    package = workspace / "src" / "drive"
+    (package / "launch" / "one.launch.xml").unlink()
+    (package / "launch" / "both.launch.xml").write_text(MUX)
+    (package / "config").mkdir()
+    (package / "config" / "mux.yaml").write_text(INPUTS)
+    (package / "config" / "joy.yaml").write_text("joy_node:\n  ros__parameters:\n    rate: 1\n")
+    built = "<export><build_type>ament_python</build_type></export>"
+    (package / "package.xml").write_text(f"<package><name>drive</name>{built}</package>")
+    files = "        ('share/drive/launch', glob('launch/*')),\n"
+    build = f"setup(\n    data_files=[\n{files}    ],\n)\n"
+    (package / "setup.py").write_text(build)
+    shutil.copytree(workspace, "two")
+    config = "        ('share/drive/config', glob('config/*')),\n"
+    Path("two/src/drive/setup.py").write_text(build.replace("    ],", f"{config}    ],"))
+    run_here(["diff", "ws", "two", "--format", "json"])
+    found = [
+        each
+        for each in json.loads(capsys.readouterr().out)["consequences"]
+        if each["kind"] == "missing_file"
+    ]
+    lines = [(Path(line["path"]).name, line["line"]) for each in found for line in each["added"]]
+    assert found and lines == [("setup.py", 4)] * len(found)
+
+
 def test_a_file_of_another_name_differs_by_its_name_alone(
     workspace: Path, capsys: Captured
 ) -> None:

@@ -101,6 +101,19 @@ def test_a_command_for_a_function_that_is_not_there_is_a_violation(
     assert verdicts(made) == {name: name != "commanded functions exist" or holds for name in ALWAYS}
 
 
+@pytest.mark.parametrize(
+    ("declared", "function", "moves"),
+    [(DECLARED, "Trans_Z", True), (DECLARED, "Rotn_Y", False), ("", "Rotn_Y", True)],
+)
+def test_a_robot_moves_by_the_functions_that_it_has(
+    declared: str, function: str, moves: bool, tmp_path: Path
+) -> None:
+    (tmp_path / "b.py").write_text(f"def go():\n    return '{function}', 5\n")
+    made = trial(BASE + FROM_FILE, DRIVE + declared, tmp_path)
+    still = trial(BASE + HAND.replace("200", "0"), DRIVE, tmp_path)
+    assert (made.bodies[0].pose != still.bodies[0].pose) is moves
+
+
 def test_a_joint_obeys_its_own_function_alone(tmp_path: Path) -> None:
     (tmp_path / "b.py").write_text("def go():\n    return 'Rotn_Z', 5\n")
     specification = "@specification\n@modules P, J, C\nJ is_controlled_by C\n"

@@ -1,6 +1,6 @@
 """Behaviours of the simulated devices of a scenario: sensors, joints and robots."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from math import inf
 from random import Random
 from typing import Any
@@ -58,7 +58,12 @@ def bind_devices(
     """
     found: dict[str, Behaviour] = {name: _jointed(joint, clock) for name, joint in joints.items()}
     # Its rates are in the frame of the body.
-    found |= {module: _moved(body, clock) for module, body in bodies.items()}
+    for module, body in bodies.items():
+        described = plan.modules.get(module)
+        functions = (
+            frozenset(each.name for each in described.functions) if described else frozenset()
+        )
+        found[module] = _moved(body, clock, functions)
     problems = []
     for name, table in scenario.devices.items():
         if name in found or table.get("kind") == "platform":
@@ -78,8 +83,14 @@ def bind_devices(
     return found
 
 
-def _moved(body: Body, clock: Clock) -> Behaviour:
-    return Behaviour(lambda command: body.obey(command, clock()), position=dict)
+def _moved(body: Body, clock: Clock, functions: Set[str]) -> Behaviour:
+    """Return the behaviour that moves a body by some functions, or by any if there are none."""
+
+    def obey(command: Mapping[str, float]) -> None:
+        own = {name: rate for name, rate in command.items() if name in functions or not functions}
+        body.obey(own, clock())
+
+    return Behaviour(obey, position=dict)
 
 
 def _mounted_on(plan: Plan, name: str, bodies: Mapping[str, Body]) -> tuple[list[str], str | None]:

@@ -472,6 +472,10 @@ def _changed_findings(before: _Side, after: _Side) -> Iterator[Change[Consequenc
             variables = {test.variable for each in found for test in each.conditions}
             removed = old.naming(variables, before.differing)
             added = new.naming(variables, after.differing)
+        if not removed and not added:
+            # No fact holds the line that installs a file.
+            removed = old.of_builds(found[0].subject, before.differing)
+            added = new.of_builds(found[0].subject, after.differing)
         yield Change(how, was, now, *map(_in_order, (added, removed, unchanged)))
 
 

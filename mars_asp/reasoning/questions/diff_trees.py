@@ -5,6 +5,7 @@ from bisect import bisect_right
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from difflib import SequenceMatcher
+from pathlib import PurePath, PurePosixPath
 from sys import maxsize
 from typing import NamedTuple
 
@@ -21,6 +22,8 @@ from mars_asp.reasoning.session import Evidence
 
 #: Facts that compare nodes, or locate them.
 _OBSERVED = frozenset({"place", "starts_like"})
+#: Files in which a package lists the programs and files that it installs.
+_BUILD_FILES = frozenset({"CMakeLists.txt", "package.xml", "setup.cfg", "setup.py"})
 _ANYTHING = re.compile(r"(?<=[(,])_(?=[,)])")
 
 
@@ -84,7 +87,9 @@ class TreeLines:
         self._starts: dict[str, list[int]] = {}
         for path, line in sorted({(fact.span.path, fact.span.line) for fact in facts}):
             self._starts.setdefault(path, []).append(line)
-        self._paths = tuple(dict.fromkeys((*self._starts, *paths)))
+        known = (*self._starts, *paths)
+        builds = (path for each in known for path in _build_files(each, self._prefix))
+        self._paths = tuple(dict.fromkeys((*known, *builds)))
         self._lines: dict[str, Sequence[FileLine]] = {}
 
     def _relative(self, text: str) -> str:
@@ -180,7 +185,7 @@ class TreeLines:
                     # As many lines replace as many: each replaces one.
                     found.update(here[first + at - begin].span for at in wanted)
                 else:
-                    found.update(line.span for line in here[first:last])
+                    found.update(_most_alike(there[at], here[first:last]).span for at in wanted)
         return frozenset(found.intersection(differing))
 
     def split(
@@ -205,11 +210,28 @@ class TreeLines:
                 unchanged.add(span)
         return frozenset(changed), frozenset(unchanged)
 
+    def of_builds(self, file: str, spans: Iterable[Span]) -> frozenset[Span]:
+        """Return those of some locations where a build file names a file or a folder of it."""
+        builds = [span for span in spans if PurePath(span.path).name in _BUILD_FILES]
+        return self.naming(PurePosixPath(file).parts, builds)
+
     def naming(self, words: Collection[str], spans: Collection[Span]) -> frozenset[Span]:
         """Return those of some locations whose line has one of the words."""
         paths = {span.path for span in spans}
         lines = {line.span: line.text for path in paths for line in self.lines_in(path)}
         return frozenset(span for span in spans if any(word in lines[span] for word in words))
+
+
+def _build_files(path: str, prefix: str) -> Iterator[str]:
+    """Yield the paths that build files of the package of a file may have, below a folder."""
+    for folder in PurePosixPath(path).parents:
+        if f"{folder}/".startswith(prefix) and (prefix or folder.name):
+            yield from (str(folder / name) for name in sorted(_BUILD_FILES))
+
+
+def _most_alike(line: FileLine, others: Sequence[FileLine]) -> FileLine:
+    """Return the line of some others that has most text in common with a line."""
+    return max(others, key=lambda each: SequenceMatcher(None, line.text, each.text).ratio())
 
 
 def differing_files(

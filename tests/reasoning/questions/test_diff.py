@@ -130,3 +130,13 @@ def _two_alike(rng: random.Random, seed: int) -> tuple[str, str]:
     own = [line for line in own if " " in line]
     changed = [line.replace("NotifyAtFrequency 10", f"NotifyAtFrequency {rate}") for line in own]
     return text, "\n".join([*head, *changed, *body[blocks:], ""])
+
+
+def test_a_specification_beside_its_configuration_is_one_to_verify(capsys: Captured) -> None:
+    robot, specification = (f"docs/tutorial/{name}.mars" for name in ("repaired", "specification"))
+    for pair, name in (((robot, specification), "NEW"), ((specification, robot), "OLD")):
+        run_here(["diff", *(str(ROOT / path) for path in pair)])
+        shown = capsys.readouterr().out
+        assert f"{name} is a specification and has its nodes already" in shown
+        command = f"mars-asp verify {ROOT / specification} {ROOT / robot}"
+        assert f"    {command}\n" in shown
