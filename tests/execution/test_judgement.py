@@ -114,6 +114,45 @@ def test_a_robot_moves_by_the_functions_that_it_has(
     assert (made.bodies[0].pose != still.bodies[0].pose) is moves
 
 
+GUARDED = """\
+@specification hierarchical
+@modules P, G, C, S
+G.{input} uses_data_from S
+G is_controlled_by C
+P is_controlled_by G
+@module_start
+@module_name S
+@Sense NotifyAtFrequency 10
+Bump pressed();
+@module_end
+@module_start
+@module_name G
+@Guard
+@ControlOut
+Command filter({parameters});
+@module_end
+"""
+
+
+@pytest.mark.parametrize(
+    ("parameters", "takes"),
+    [("Command command, Bump bump", "command, bump"), ("Bump bump, Command in", "bump, command")],
+)
+def test_commands_go_to_the_input_that_no_data_line_means(
+    parameters: str, takes: str, tmp_path: Path
+) -> None:
+    (tmp_path / "b.py").write_text(
+        "def go():\n    return 'Trans_Z', 5\n\n\ndef pressed():\n    return 0\n\n\n"
+        f"def stop({takes}):\n    return None if bump else command\n"
+    )
+    bindings = FROM_FILE + '[bindings.S]\npython = "b.py:pressed"\nperiod = 100\n'
+    bindings += '[bindings.G]\npython = "b.py:stop"\n'
+    specification = GUARDED.format(input="bump", parameters=parameters)
+    made = trial(BASE + bindings, specification, tmp_path)
+    assert verdicts(made)["no module failed"]
+    assert made.bodies[0].pose != trial(BASE, "@specification\n@modules P\n").bodies[0].pose
+
+
 def test_a_joint_obeys_its_own_function_alone(tmp_path: Path) -> None:
     (tmp_path / "b.py").write_text("def go():\n    return 'Rotn_Z', 5\n")
     specification = "@specification\n@modules P, J, C\nJ is_controlled_by C\n"

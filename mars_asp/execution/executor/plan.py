@@ -200,8 +200,11 @@ class Plan:
             # Inputs without a position are ordered by name, not by lines.
             key = place is None, place or 0, "" if place is not None else port or ""
             found.setdefault(key, Slot(port, place, [])).links.append(link)
-        slots = [slot for _, slot in sorted(found.items(), key=itemgetter(0))]
-        slots += (Slot(None, None, [link]) for link in self.control_in[name])
+        port = self._input_of_commands(name)
+        commands = [Slot(port, None, [link]) for link in self.control_in[name]]
+        if port is not None and commands:
+            found[False, declared.index(port), ""] = commands.pop(0)
+        slots = [slot for _, slot in sorted(found.items(), key=itemgetter(0))] + commands
         for number, slot in enumerate(slots):
             for link in slot.links:
                 link.slot = number
@@ -213,7 +216,19 @@ class Plan:
         A reset ends in a module, not in an input.
         """
         known = () if link.kind == "reset" else self._declared_inputs(link.client)
+        if link.kind == "control" and self._input_of_commands(link.client) is not None:
+            return ()
         return known if link.client_port is None and len(known) > 1 else ()
+
+    def _input_of_commands(self, name: str) -> str | None:
+        """Return the only one of several inputs that no data link means, None without one.
+
+        Commands for the module go there, as the rule for `input_fed` has it.
+        """
+        declared = self._declared_inputs(name)
+        meant = {self.input_name(link) for link in self.data_in[name]}
+        left = [port for port in declared if port not in meant]
+        return left[0] if len(declared) > 1 and len(left) == 1 and None not in meant else None
 
     def _declared_inputs(self, name: str) -> Sequence[str]:
         return tuple(inputs(self.modules[name])) if name in self.modules else ()
