@@ -43,8 +43,7 @@ def results_of(selected: Selected) -> Iterator[Result]:
     for each in selected.shown:
         yield Result(diagnostic(each), each, None, is_new)
     for hidden in selected.hidden:
-        known = hidden.by == "baseline"
-        state = not known if selected.is_compared else None
+        state = not hidden.is_known if selected.is_compared else None
         yield Result(diagnostic(hidden.consequence), hidden.consequence, hidden, state)
     yield from map(Result, selected.remarks)
 

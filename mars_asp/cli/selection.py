@@ -40,11 +40,15 @@ if TYPE_CHECKING:
 
 
 class Hidden(NamedTuple):
-    """A finding that is not reported, the filter that hides it, and the reason in a comment."""
+    """A finding that is not reported, the filter that hides it, and the reason in a comment.
+
+    `is_known` is whether a baseline lists it.
+    """
 
     consequence: Consequence
     by: Literal["comment", "baseline"]
     reason: str
+    is_known: bool
 
 
 class Selected(NamedTuple):
@@ -288,9 +292,9 @@ class Selection:
             path, line = each.spans[0][:2]
             reasons = [entries[path, line, name] for name in names if (path, line, name) in entries]
             if reasons:
-                hidden.append(Hidden(each, "comment", reasons[0]))
+                hidden.append(Hidden(each, "comment", reasons[0], is_known))
             elif is_known:
-                hidden.append(Hidden(each, "baseline", ""))
+                hidden.append(Hidden(each, "baseline", "", is_known))
             else:
                 shown.append(each)
         is_judged = "unused-ignore" not in choice.ignore and (
@@ -449,15 +453,17 @@ class Selection:
                     yield _remark(message, span, _elsewhere(kind, span, found))
 
     def _is_whole(self, project: Project) -> bool:
-        """Whether a project has all launch files that may start what comments are about.
+        """Whether a project has all that comments and entries of a baseline may be about.
 
         A project of ROS is whole as a workspace, or as a package in none, without a chosen launch
-        file; a mux file in a workspace is a part of it.
+        file and a file with errors; a mux file in a workspace is a part of it.
         """
         path = project.configuration.path
         if not project.trees:
             return project.format is None or workspace_of(path) is None
         if not os.path.isdir(path) or getattr(self._arguments, "launch", None):  # noqa: PTH112
+            return False
+        if any(tree.broken for tree in project.trees):
             return False
         around = workspace_of(os.path.join(path, "_"))  # noqa: PTH118 -- may be `.`
         return around is None or os.path.realpath(around) == os.path.realpath(path)

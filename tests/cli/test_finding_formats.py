@@ -180,6 +180,13 @@ def test_hidden_findings_are_marked_as_suppressed(folder: Path, capsys: Captured
         5: ("new", [{"kind": "inSource", "status": "accepted", "justification": "it turns"}]),
         8: ("new", None),
     }
+    # A comment may hide what the baseline lists.
+    path.write_text(ROBOT)
+    lines = path.read_text().splitlines()
+    lines[2] += " // mars: ignore[ambiguous_priority] in turns"
+    path.write_text("\n".join(lines) + "\n")
+    _, run = sarif(capsys, "check", path.name, "--baseline", "k", "--select", "ambiguous_priority")
+    assert [each["baselineState"] for each in run["results"]] == ["unchanged"]
 
 
 def test_fingerprints_stay_when_lines_move(folder: Path, capsys: Captured) -> None:

@@ -351,8 +351,28 @@ def test_a_comment_is_judged_where_every_launch_file_is_read(
     (package / "launch" / "both.launch.xml").unlink()
     assert run_here(["check", "ws", "--fail-on", "warning"]) == 1
     assert "unused-ignore" in capsys.readouterr().out
-    # Another package of the workspace may start the program.
+    # A file with errors may start the program, or another package of the workspace.
+    broken = package / "launch" / "both.launch.xml"
+    broken.write_text("<launch><node")
+    run_here(["check", "ws"])
+    assert "unused-ignore" not in capsys.readouterr().out
+    broken.unlink()
     assert run_here(["check", str(package), "--fail-on", "warning"]) == 0
+
+
+def test_entries_of_a_baseline_are_kept_where_a_file_has_errors(
+    workspace: Path, capsys: Captured
+) -> None:
+    assert run_here(["check", "ws", "--write-baseline", "k.json"]) == 0
+    before = json.loads(Path("k.json").read_text())["findings"]
+    assert before
+    (workspace / "src" / "drive" / "drive" / "sender.py").write_text("def (\n")
+    capsys.readouterr()
+    assert run_here(["check", "ws", "--baseline", "k.json"]) == 0
+    assert "match nothing" not in capsys.readouterr().err
+    assert run_here(["check", "ws", "--write-baseline", "k.json"]) == 0
+    after = json.loads(Path("k.json").read_text())["findings"]
+    assert all(each in after for each in before)
 
 
 def test_a_chosen_launch_file_has_the_faults_of_its_programs(
