@@ -16,7 +16,8 @@ from mars_asp.diagnostic import Span, point
 class FileLine(NamedTuple):
     """A line with the file it is compared in, its location, and that of the line it is under.
 
-    `key` is equal for lines of equal text under equal lines of one file.
+    `key` is equal for lines of equal text under equal lines of one file; `above` is the key of the
+    line it is under.
     """
 
     file: str
@@ -24,6 +25,7 @@ class FileLine(NamedTuple):
     span: Span
     head: Span | None
     key: int
+    above: int
 
 
 def file_lines(path: str, file: str, lines: Sequence[str]) -> Iterator[FileLine]:
@@ -40,8 +42,9 @@ def file_lines(path: str, file: str, lines: Sequence[str]) -> Iterator[FileLine]
         if "@module_start" in text:
             module = None
         head = module or (above[-1][1] if above else None)
-        key = hash((file if head is None else head.key, text))
-        found = FileLine(file, text, point(path, number, 1), head and head.span, key)
+        over = hash(file) if head is None else head.key
+        place, key = point(path, number, 1), hash((over, text))
+        found = FileLine(file, text, place, head and head.span, key, over)
         above.append((indent, found))
         if "@module_name" in text:
             module = found
@@ -56,13 +59,12 @@ def differing_lines(
     """Return the lines that each of two robots has and the other lacks.
 
     Of repeated lines only the surplus differs. Lines under a line that differs, as under a name
-    that was changed, are compared by their text alone, in their order.
+    that was changed, are compared by the texts down to them from that line, in their order.
     """
     one, other = tuple(one), tuple(other)
     rests = _surplus(one, other), _surplus(other, one)
-    under = [_under_differing(rest) for rest in rests]
-    texts = ([(line.file, line.text) for line in lines] for lines in under)
-    matches = SequenceMatcher(None, next(texts), next(texts)).get_matching_blocks()
+    (texts, old), (others, new) = map(_under_differing, rests)
+    under, matches = (old, new), SequenceMatcher(None, texts, others).get_matching_blocks()
     same: tuple[set[Span], set[Span]] = set(), set()
     for *begins, size in matches:
         for found, lines, begin in zip(same, under, begins, strict=True):
@@ -84,6 +86,18 @@ def _surplus(lines: Iterable[FileLine], others: Iterable[FileLine]) -> list[File
     return found
 
 
-def _under_differing(lines: Sequence[FileLine]) -> list[FileLine]:
-    spans = {line.span for line in lines}
-    return [line for line in lines if line.head in spans]
+def _under_differing(lines: Sequence[FileLine]) -> tuple[list[tuple[int, int]], list[FileLine]]:
+    """Return the lines under another one of the lines, and for each what it is known by.
+
+    That is what its topmost line that differs is under, and the texts from there.
+    """
+    known: dict[Span, tuple[int, int]] = {}
+    found = []
+    for line in lines:
+        if line.head is None or line.head not in known:
+            known[line.span] = line.above, 0
+        else:
+            above, texts = known[line.head]
+            known[line.span] = above, hash((texts, line.text))
+            found.append(line)
+    return [known[line.span] for line in found], found

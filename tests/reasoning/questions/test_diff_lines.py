@@ -53,6 +53,13 @@ def test_below_a_changed_name_only_changed_lines_differ() -> None:
     assert differing(mux(INPUTS), mux(new)) == ([6], [6])
 
 
+def test_a_line_that_comes_is_not_one_that_goes_elsewhere() -> None:
+    head = [*mux(INPUTS), "locks:"]
+    lock = ["  stop:", "    topic: stop", "    timeout: 9.0"]
+    added = {**INPUTS, "c": ["topic: c_vel", "timeout: 9.0", "priority: 7"]}
+    assert differing([*head, *lock], mux(added)) == ([14, 15, 16, 17], [14, 15, 16, 17])
+
+
 @pytest.mark.parametrize("name", ["A", "B"])
 def test_a_line_of_an_annotation_is_of_its_module(name: str) -> None:
     def robot(rate: dict[str, int]) -> list[str]:
