@@ -201,13 +201,13 @@ def _unannotated(named_at: Mapping[Path, Span], found: Set[Span]) -> Iterator[Di
 
     `found` are the locations of modules and mistakes.
     """
-    names = {f"{span.path}/" for span in found}
+    files = {Path(span.path) for span in found}
+    read = files.union(*(file.parents for file in files))
     places: dict[Span, list[Path]] = {}
     for path, place in named_at.items():
         places.setdefault(place, []).append(path)
     for place, paths in places.items():
-        within = tuple(f"{path}/" for path in paths)
-        if place not in found and not any(name.startswith(within) for name in names):
+        if place not in found and read.isdisjoint(paths):
             one = f"no annotated module in `{paths[0]}`"
             message = one if len(paths) == 1 else f"no annotated module in these {len(paths)} paths"
             advice = "annotate a source there, or leave it out"

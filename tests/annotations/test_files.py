@@ -8,6 +8,7 @@ import pytest
 from mars_asp.annotations.files import MOST_BYTES, extract
 from mars_asp.diagnostic import Diagnostic
 from mars_asp.reasoning.project import load_project
+from tests.support.fixtures import Patch
 from tests.support.refusals import refusal
 
 MODULE = (
@@ -155,3 +156,16 @@ def test_a_source_in_another_language_is_reported_where_it_is_named(tmp_path: Pa
     path.write_text("@configuration\n@sources notes.txt\n@modules A\n")
     problem = refusal(load_project, str(path))
     assert (problem.code, problem.span.location) == ("MARS306", f"{path}:2:10")
+
+
+@pytest.mark.parametrize("names", [".", "./", "./src", "src/../src"])
+def test_a_folder_has_annotations_by_any_of_its_names(
+    names: str, tmp_path: Path, monkeypatch: Patch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("src").mkdir()
+    Path("src/a.cpp").write_text(MODULE.format(name="A"))
+    Path("config.mars").write_text(
+        f"@configuration\n@sources {names}\n@modules A, B\nB uses_data_from A\n"
+    )
+    assert load_project("config.mars").diagnostics == ()
