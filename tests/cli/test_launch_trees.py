@@ -454,14 +454,20 @@ twist_mux:
 """
 
 
-def test_a_difference_has_no_line_that_caused_another_one(
-    workspace: Path, capsys: Captured
-) -> None:
+def with_mux(workspace: Path) -> Path:
+    """Return the package of a workspace, which starts a mux and a joystick alone."""
     package = workspace / "src" / "drive"
     (package / "launch" / "one.launch.xml").unlink()
     (package / "launch" / "both.launch.xml").write_text(MUX)
     (package / "config").mkdir()
     (package / "config" / "mux.yaml").write_text(INPUTS)
+    return package
+
+
+def test_a_difference_has_no_line_that_caused_another_one(
+    workspace: Path, capsys: Captured
+) -> None:
+    package = with_mux(workspace)
     (package / "setup.py").write_text(
         "setup(entry_points={'console_scripts': [\n    'sender = drive.sender:run',\n"
         "    'other = drive.sender:main',\n]})\n"
@@ -537,11 +543,7 @@ def test_a_difference_of_workspaces_has_the_lines_that_were_edited(
 def test_a_file_that_is_installed_now_is_in_its_build_file(
     workspace: Path, capsys: Captured
 ) -> None:
-    package = workspace / "src" / "drive"
-    (package / "launch" / "one.launch.xml").unlink()
-    (package / "launch" / "both.launch.xml").write_text(MUX)
-    (package / "config").mkdir()
-    (package / "config" / "mux.yaml").write_text(INPUTS)
+    package = with_mux(workspace)
     (package / "config" / "joy.yaml").write_text("joy_node:\n  ros__parameters:\n    rate: 1\n")
     built = "<export><build_type>ament_python</build_type></export>"
     (package / "package.xml").write_text(f"<package><name>drive</name>{built}</package>")
@@ -564,11 +566,7 @@ def test_a_file_that_is_installed_now_is_in_its_build_file(
 def test_a_file_of_another_name_differs_by_its_name_alone(
     workspace: Path, capsys: Captured
 ) -> None:
-    package = workspace / "src" / "drive"
-    (package / "launch" / "one.launch.xml").unlink()
-    (package / "launch" / "both.launch.xml").write_text(MUX)
-    (package / "config").mkdir()
-    (package / "config" / "mux.yaml").write_text(INPUTS)
+    with_mux(workspace)
     shutil.copytree(workspace, "two")
     new = Path("two/src/drive")
     (new / "config" / "mux.yaml").rename(new / "config" / "inputs.yaml")

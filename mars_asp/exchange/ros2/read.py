@@ -755,7 +755,7 @@ class _WorkspaceRobot:
         if interface.spread and not started.name and started.namespace != "/":
             name = ""
         published = tuple(self._endpoints(interface.published, started, name, values))
-        heard = (*interface.subscribed, *self._observed(interface, started, name))
+        heard = (*interface.subscribed, *self._observed(interface, started, name, values))
         subscribed = tuple(self._endpoints(heard, started, name, values))
         unread = any(each.sort in _OPEN for each in self.unread[before:])
         names = frozenset(
@@ -911,22 +911,30 @@ class _WorkspaceRobot:
         return found
 
     def _observed(
-        self, interface: Interface, started: Started, name: str
+        self,
+        interface: Interface,
+        started: Started,
+        name: str,
+        values: Mapping[str, GivenParameter],
     ) -> Iterator[InterfaceTopic]:
         """Yield the topics that parameters name as sources of observation of a node.
 
-        A file that cannot be read is taken to name what that of Nav2 does.
+        `values` are its own parameters. A file that cannot be read is taken to name what that of
+        Nav2 does.
         """
         if interface.observes:
             full = absolute(interface.observes, started.namespace, name)
             is_own = interface.observes == "~"
-            of_files = self._file_parameters(started, full)
-            yield from observed({**of_files, **started.parameters} if is_own else of_files)
+            yield from observed(values if is_own else self._file_parameters(started, full))
             # A launch file of Nav2 that is given no file takes its own.
             is_usual = started.is_rewritten and not started.files
-            documents = [self.document(file) for file in started.files]
-            if is_usual or started.has_further_files or None in documents:
+            if is_usual or self._is_partly_known(started):
                 yield USUAL
+
+    def _is_partly_known(self, started: Started) -> bool:
+        """Whether a node has parameter files that cannot be read, or values of a run."""
+        documents = map(self.document, started.files)
+        return started.has_further_files or any(each is None for each in documents)
 
     def _bridge_file(
         self, started: Started, values: Mapping[str, GivenParameter]
@@ -995,9 +1003,7 @@ class _WorkspaceRobot:
     ) -> Iterator[str]:
         """Yield the names that parameters give a topic, empty if unknown."""
         # A file that cannot be read, or a value of a run, may replace a default.
-        is_hidden = started.has_further_files or any(
-            self.document(file) is None for file in started.files
-        )
+        is_hidden = self._is_partly_known(started)
         if topic.parts:
             texts = [
                 text if of is None else _value_of(values.get(of), None if is_hidden else text)
