@@ -133,7 +133,9 @@ def diff(old: Reasoner, new: Reasoner, lines_of: LinesOf = lambda _: ()) -> Diff
     if are_launched:
         gone, come = differing_files(before.tree_lines, after.tree_lines)
     else:
-        gone, come = differing_lines(before.texts.lines, after.texts.lines)
+        gone, come = differing_lines(
+            before.texts.comparable_lines(), after.texts.comparable_lines()
+        )
     before.compare(after, gone)
     after.compare(before, come)
     both = before.synthesis is not None and after.synthesis is not None
@@ -179,7 +181,6 @@ class _Side:
 
     def __init__(self, reasoner: Reasoner, lines_of: LinesOf, is_launched: bool) -> None:
         self.findings: Sequence[Consequence] = ()
-        self.is_launched = is_launched
         launched: Evidence | None = None
         if is_launched:
             rules = load_rulebook(stages=(STAGE,))
@@ -209,7 +210,7 @@ class _Side:
         self.lines = {span: tuple(sorted(texts)) for span, texts in entries.items()}
         self.texts = _Texts(self.lines, lines_of)
         folder = project.configuration.path
-        self.tree_lines = TreeLines(launched, folder, lines_of, self.texts.paths)
+        self.tree_lines = TreeLines(launched, folder, lines_of, self.texts.files)
         self.changed: frozenset[Span] = frozenset()
         #: Lines of both sides with another effect here.
         self.unchanged: frozenset[Span] = frozenset()
@@ -336,14 +337,17 @@ class _Texts:
         for span in spans:
             starts.setdefault(span.path, set()).add(span.line)
         files = {path: lines_of(path) for path in starts}
-        self.paths = tuple(files)
-        self._unknown = {path for path, lines in files.items() if not lines}
-        self.lines = [line for path in files for line in file_lines(path, "", files[path])]
+        self.files = files
         self._ends: dict[tuple[str, int], int] = {}
         for path, numbers in starts.items():
             ordered = sorted(numbers)
             ends = [*ordered[1:], len(files[path]) + 1]
             self._ends.update(((path, n), end) for n, end in zip(ordered, ends, strict=True))
+
+    def comparable_lines(self) -> Iterator[FileLine]:
+        """Yield the lines of all files."""
+        for path, lines in self.files.items():
+            yield from file_lines(path, "", lines)
 
     def differing(
         self, spans: Iterable[Span], lines: Iterable[FileLine], whole: bool
@@ -361,7 +365,7 @@ class _Texts:
             first = bisect_left(among, span.line)
             last = bisect_left(among, self._ends[span.path, span.line])
             within = among[first : last if whole else min(last, first + 1)]
-            if span.path in self._unknown:
+            if not self.files[span.path]:
                 found[span] = (span,)
             elif within:
                 # The column of a statement is known at its first line alone.
